@@ -26,11 +26,12 @@ namespace {
 
 struct RenderOptions {
   InputOptions reading;
-  std::string file, backend = "soft", radii = "per-level", metric = "euclidean", size = "1280x720", output;
+  std::string file, backend = "soft", metric = "euclidean", size = "1280x720", output;
   // Instead of what the scene says.
   std::optional<std::string> camera, blend_name, effects;
   std::optional<int> frames;
   std::optional<float> kappa0, pixel_error;
+  std::optional<std::string> radii;
   int samples = 1;
   float beta = RadiiConfig{}.beta, delta = 0;
   bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false, cull_occluded = false,
@@ -42,13 +43,12 @@ struct RenderOptions {
 RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) {
   if (options.kappa0 && options.pixel_error)
     throw UsageError("--kappa0 and --pixel-error exclude each other; give one of them");
-  RadiiConfig config = radii_config(options.radii, options.metric);
+  const bool by_cell = !options.kappa0 && !options.select_on_device;
+  RadiiConfig config = radii_config(options.radii.value_or(by_cell ? "adaptive" : "per-level"), options.metric);
   if (options.kappa0 && config.rule == RadiiRule::adaptive)
     throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
   if (options.select_on_device && config.rule == RadiiRule::adaptive)
     throw UsageError("--select-on-device knows a radius for every level, not for every cell; use --radii per-level");
-  if (options.memory_budget.count > 0 && config.rule == RadiiRule::adaptive)
-    throw UsageError("--radii adaptive needs the whole model in memory; leave out --memory-budget, or use per-level");
   config.kappa0 = options.kappa0;
   config.pixel_error = options.pixel_error.value_or(of_scene.pixel_error);
   config.beta = options.beta;
@@ -249,7 +249,7 @@ class Flight {
                  {"models", names_of(scene_)},
                  {"effects", plan_json(plan_, names_of(scene_))},
                  {"metric", options_.metric},
-                 {"radii", options_.radii},
+                 {"radii", name_of(job_.view.radii.rule)},
                  {"first_picture_seconds", first_picture_seconds_},
                  {"samples", job_.view.samples},
                  {"size", {job_.view.size.width, job_.view.size.height}}});
@@ -335,8 +335,8 @@ OptionTable declare_levels(RenderOptions& o) {
   return {{"--pixel-error", &o.pixel_error, "Tolerance in pixels; 1 when neither this nor --kappa0 is given"},
           {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
           {"--radii", &o.radii,
-           "per-level; adaptive (a radius for every cell, by its own error: fewer triangles for the same tolerance in "
-           "pixels); or uniform (the published rule, which is not always admissible)"},
+           "adaptive (a radius for every cell, by its own error), the rule of --pixel-error; per-level (by the largest "
+           "error of each level), that of --kappa0; or uniform (the published one, which is not always admissible)"},
           {"--blend", &o.blend_name,
            "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own: table:0,0.1,0.9,1 "
            "(values at equal distances) or polynomial:0,0,3,-2 (coefficients of 1, t, t^2, ...); smoothstep unless the "
@@ -351,7 +351,7 @@ OptionTable declare_levels(RenderOptions& o) {
           {"--cull-occluded", &o.cull_occluded,
            "Leave out cells that others hide: the same pictures, sooner where much is hidden"},
           {"--select-on-device", &o.select_on_device,
-           "Backend gl: select cells by a compute shader; the same cells (not with --radii adaptive)"},
+           "Backend gl: select cells by a compute shader, with radii per level; the same cells"},
           {"--cull-back-faces", &o.cull_back_faces,
            "Leave out cells that turn their back, where the surface is closed and seen from outside"},
           {"--no-metrics", &o.no_metrics, "With --json: times and counts only, no cracks and pops"},

@@ -1,6 +1,4 @@
 // lodestone verify: proves the invariants of a .lode file, independently of the builder.
-#include "core/hierarchy/verify/verify.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
+#include "render/lod/verify_radii.h"
 
 namespace lodestone {
 namespace {
@@ -58,7 +57,7 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   std::optional<IndexedMesh> mesh;
   if (!input.empty()) mesh = read_input(input, reading, *scheduler, hierarchy.transform.lattice);
   progress.phase("verifying");
-  const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
+  const VerifyReport report = verify_with_radii(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();
   const bool valid =
       std::all_of(report.checks.begin(), report.checks.end(), [](const VerifyCheck& c) { return c.passed; });

@@ -20,7 +20,8 @@ struct ViewOptions {
   InputOptions reading;
   viewer::ViewSettings settings;
   std::optional<float> kappa0;
-  std::string radii = "per-level", blend_name = "smoothstep", metric = "euclidean";
+  std::optional<std::string> radii;
+  std::string blend_name = "smoothstep", metric = "euclidean";
 };
 
 std::vector<std::string> backends() {
@@ -34,7 +35,8 @@ viewer::ViewState first_state(const ViewOptions& options) {
   viewer::ViewSettings settings = options.settings;
   settings.by_kappa0 = options.kappa0.has_value();
   if (options.kappa0) settings.kappa0 = *options.kappa0;
-  const RadiiConfig radii = radii_config(options.radii, options.metric);
+  const RadiiConfig radii =
+      radii_config(options.radii.value_or(options.kappa0 ? "per-level" : "adaptive"), options.metric);
   if (options.kappa0 && radii.rule == RadiiRule::adaptive)
     throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
   settings.rule = radii.rule;
@@ -95,9 +97,9 @@ OptionTable declare(ViewOptions& o) {
        {"--pixel-error", &o.settings.pixel_error, "Tolerance in pixels"},
        {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
        OptionSpec{"--radii", &o.radii,
-                  "per-level; adaptive (a radius for every cell, by its own error, for models in memory as wholes); or "
-                  "uniform (the published rule, of kappa0)"}
-           .one_of({"per-level", "adaptive", "uniform"}),
+                  "adaptive (a radius for every cell, by its own error), the rule of --pixel-error; per-level, that of "
+                  "--kappa0; or uniform (the published one, of kappa0)"}
+           .one_of({"adaptive", "per-level", "uniform"}),
        {"--blend", &o.blend_name,
         "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own, as for render"},
        OptionSpec{"--metric", &o.metric, "euclidean or chebyshev"}.one_of({"euclidean", "chebyshev"}),

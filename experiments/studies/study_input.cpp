@@ -10,6 +10,7 @@
 #include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/clock.h"
+#include "render/lod/verify_radii.h"
 
 namespace lodestone {
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more) {
@@ -139,7 +140,7 @@ std::vector<ColumnInfo> verify_columns() {
 }
 
 void add_verification(Row& row, const Hierarchy& hierarchy, const IndexedMesh* input) {
-  const VerifyReport report = verify_hierarchy(hierarchy, input);
+  const VerifyReport report = verify_with_radii(hierarchy, input);
   std::string failed;
   for (const VerifyCheck& check : report.checks)
     if (!check.passed) failed += (failed.empty() ? "" : ", ") + check.name;

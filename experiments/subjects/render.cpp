@@ -1,6 +1,7 @@
 #include "experiments/subjects/render.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -111,13 +112,14 @@ FlightTimes times_of(const std::vector<FrameResult>& frames) {
 }  // namespace
 
 RadiiConfig radii_config(const std::string& rule, const std::string& metric) {
-  if (rule != "per-level" && rule != "uniform" && rule != "adaptive")
+  constexpr RadiiRule rules[] = {RadiiRule::adaptive, RadiiRule::per_level, RadiiRule::uniform};
+  const auto* const found = std::ranges::find(rules, rule, [](RadiiRule r) { return name_of(r); });
+  if (found == std::end(rules))
     throw InputError("--radii " + rule + ": unknown; " + known_names(rule, {"adaptive", "per-level", "uniform"}));
   if (metric != "euclidean" && metric != "chebyshev")
     throw InputError("--metric " + metric + ": unknown; " + known_names(metric, {"euclidean", "chebyshev"}));
   RadiiConfig config;
-  if (rule == "uniform") config.rule = RadiiRule::uniform;
-  if (rule == "adaptive") config.rule = RadiiRule::adaptive;
+  config.rule = *found;
   if (metric == "chebyshev") config.metric = DistanceMetric::chebyshev;
   return config;
 }

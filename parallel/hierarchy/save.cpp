@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/model/find_signatures.h"
 
 namespace lodestone {
 namespace {
@@ -20,7 +22,8 @@ class LodeSaver {
         progress_(progress),
         counts_(source.counts()),
         plain_(plan_lode(source.tables(), counts_)),
-        checksums_(counts_.size()) {}
+        checksums_(counts_.size()),
+        finder_(source.tables()) {}
 
   std::uint64_t save_plain() {
     std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler_.workers()));
@@ -35,6 +38,7 @@ class LodeSaver {
           source_.visit(c, [&](const Cell& cell) {
             checksums_[c] = encode_payload(
                 cell, std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
+            finder_.add(c, cell.positions.subspan(cell.first_shared()));
           });
         file_.write_at(offset(chunk.first_cell), bytes);
       });
@@ -78,7 +82,9 @@ class LodeSaver {
           chunks.back().end_cell = CellId(c + 1);
         }
       source_.begin_level(l);
+      finder_.begin_level();
       visit(chunks);
+      finder_.end_level();
       if (progress_) progress_(end);
     }
   }
@@ -89,6 +95,7 @@ class LodeSaver {
       const std::size_t before = bytes.size();
       source_.visit(c, [&](const Cell& cell) {
         checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
+        finder_.add(c, cell.positions.subspan(cell.first_shared()));
       });
       sizes[c] = bytes.size() - before;
     }
@@ -96,8 +103,9 @@ class LodeSaver {
 
   // Writes the assets after the payloads and the tables before them; returns the size of the file.
   std::uint64_t finish(const LodeLayout& layout) {
-    const std::vector<std::byte> assets = encode_assets(source_.tables());
-    if (!assets.empty()) file_.write_at(layout.payload_end(), assets);
+    const Signatures signatures = std::move(finder_).finish();
+    const std::vector<std::byte> assets = encode_assets(source_.tables(), &signatures);
+    file_.write_at(layout.payload_end(), assets);
     file_.write_at(0, encode_lode_tables(source_.tables(), counts_, layout, checksums_, assets));
     file_.commit();
     return layout.payload_end() + assets.size();
@@ -110,6 +118,7 @@ class LodeSaver {
   std::vector<PayloadCounts> counts_;
   LodeLayout plain_;
   std::vector<std::uint64_t> checksums_;
+  SignatureFinder finder_;
 };
 
 }  // namespace

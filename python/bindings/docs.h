@@ -140,13 +140,13 @@ The path of `lodestone render --camera`: 'orbit', 'fly-in', or a file of key fra
 of the pictures. Returns a list of Cameras. Raises InputError and FileError for a file.)";
 
 inline constexpr const char* select =
-    R"(select(hierarchy, camera, *, size=(1280, 720), samples=1, radii='per-level', metric='euclidean', kappa0=None,
+    R"(select(hierarchy, camera, *, size=(1280, 720), samples=1, radii=None, metric='euclidean', kappa0=None,
     pixel_error=1.0, beta=0.5, delta=0.0, blend='smoothstep', effects='auto', tint=False)
 
 The cells that are drawn from a camera. size: (width, height) of the picture. pixel_error: tolerance in pixels;
-kappa0: radius over cell size instead. radii: 'per-level', 'adaptive' (a radius for every cell, by pixel_error) or
-'uniform' (which needs kappa0); metric: 'euclidean' or 'chebyshev'; beta: least width of a morph band over the cell size, above 0; delta: guard for a viewpoint that is
-stale by so many cell sizes; blend: 'linear', 'smoothstep', 'smootherstep', 'cosine', 'early', 'late' or 'step'.
+kappa0: radius over cell size instead. radii: 'adaptive' (a radius for every cell, the rule of pixel_error),
+'per-level' (that of kappa0) or 'uniform' (which needs kappa0); metric: 'euclidean' or 'chebyshev'; beta: least width of
+a morph band over the cell size, above 0; delta: guard for a viewpoint that is stale by so many cell sizes; blend: 'linear', 'smoothstep', 'smootherstep', 'cosine', 'early', 'late' or 'step'.
 samples, effects and tint are for pictures alone. Returns a Selection. Raises InputError for a value out of range.)";
 
 inline constexpr const char* selection =
@@ -182,7 +182,7 @@ The jump of the drawn surface between two selections of a hierarchy, as a dict: 
 there is no bound, and 'jump_bound_vacuous' (the step is too long to tell). Raises UsageError for two hierarchies.)";
 
 inline constexpr const char* render =
-    R"(render(hierarchy, camera, *, backend='soft', size=(1280, 720), samples=1, radii='per-level',
+    R"(render(hierarchy, camera, *, backend='soft', size=(1280, 720), samples=1, radii=None,
     metric='euclidean', kappa0=None, pixel_error=1.0, beta=0.5, delta=0.0, blend='smoothstep', effects='auto',
     tint=False, threads=0, progress=None)
 
@@ -192,7 +192,7 @@ select. Raises UnsupportedError for a backend that this machine lacks, InputErro
 
 inline constexpr const char* fly =
     R"(fly(hierarchy, cameras, *, measure=True, on_frame=None, backend='soft', size=(1280, 720), samples=1,
-    radii='per-level', metric='euclidean', kappa0=None, pixel_error=1.0, beta=0.5, delta=0.0, blend='smoothstep',
+    radii=None, metric='euclidean', kappa0=None, pixel_error=1.0, beta=0.5, delta=0.0, blend='smoothstep',
     effects='auto', tint=False, threads=0, progress=None)
 
 Draws the frames of a list of Cameras. measure: prove each, as cracks and pops do. on_frame: called with the number

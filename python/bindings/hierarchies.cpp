@@ -3,7 +3,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "core/hierarchy/model/level_mesh.h"
-#include "core/hierarchy/verify/verify.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/subjects/build.h"
 #include "parallel/clean/prepare.h"
@@ -13,6 +12,7 @@
 #include "python/bindings/bind.h"
 #include "python/bindings/docs.h"
 #include "python/bindings/json_values.h"
+#include "render/lod/verify_radii.h"
 
 namespace lodestone::python {
 namespace {
@@ -104,7 +104,7 @@ py::object verify(const ModelPtr& model, const py::kwargs& given) {
       mesh = prepare_mesh(take_mesh(*source, call), repairs, call.scheduler(), source->path.string(),
                           model->hierarchy.transform.lattice);
     call.report("verifying", 0);
-    return verify_hierarchy(model->hierarchy, mesh ? &*mesh : nullptr);
+    return verify_with_radii(model->hierarchy, mesh ? &*mesh : nullptr);
   });
   return to_python_report(report);
 }

@@ -2,6 +2,8 @@
 
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "experiments/command_line/exit_status.h"
@@ -11,11 +13,14 @@ namespace lodestone::python {
 namespace {
 
 RadiiConfig take_radii(Options& options) {
-  std::string rule = "per-level", metric = "euclidean";
+  std::optional<std::string> rule;
+  std::string metric = "euclidean";
   options.take("radii", rule);
   options.take("metric", metric);
-  RadiiConfig config = radii_config(rule, metric);
-  options.take("kappa0", config.kappa0);
+  std::optional<float> kappa0;
+  options.take("kappa0", kappa0);
+  RadiiConfig config = radii_config(rule.value_or(kappa0 ? "per-level" : "adaptive"), metric);
+  config.kappa0 = kappa0;
   if (options.take("pixel_error", config.pixel_error) && config.kappa0)
     throw UsageError("kappa0 and pixel_error exclude each other; give one of them");
   options.take("beta", config.beta);

@@ -161,18 +161,18 @@ def reconstruct(mesh: _Surface, *, resolution: float = 256.0, triangles: int = 0
 def camera_path(hierarchy: Hierarchy, path: str, *, frames: int = 120,
                 size: tuple[int, int] = (1280, 720)) -> list[Camera]: ...
 def select(hierarchy: Hierarchy, camera: Camera, *, size: tuple[int, int] = (1280, 720), samples: int = 1,
-           radii: str = 'per-level', metric: str = 'euclidean', kappa0: Optional[float] = None,
+           radii: Optional[str] = None, metric: str = 'euclidean', kappa0: Optional[float] = None,
            pixel_error: float = 1.0, beta: float = 0.5, delta: float = 0.0, blend: str = 'smoothstep',
            effects: str = 'auto', tint: bool = False) -> Selection: ...
 def cracks(selection: Selection, *, threads: int = 0, progress: _Progress = None) -> dict[str, Any]: ...
 def pops(before: Selection, after: Selection, *, threads: int = 0, progress: _Progress = None) -> dict[str, Any]: ...
 def render(hierarchy: Hierarchy, camera: Camera, *, backend: str = 'soft', size: tuple[int, int] = (1280, 720),
-           samples: int = 1, radii: str = 'per-level', metric: str = 'euclidean', kappa0: Optional[float] = None,
+           samples: int = 1, radii: Optional[str] = None, metric: str = 'euclidean', kappa0: Optional[float] = None,
            pixel_error: float = 1.0, beta: float = 0.5, delta: float = 0.0, blend: str = 'smoothstep',
            effects: str = 'auto', tint: bool = False, threads: int = 0, progress: _Progress = None) -> _Bytes: ...
 def fly(hierarchy: Hierarchy, cameras: Sequence[Camera], *, measure: bool = True,
         on_frame: Optional[Callable[[int, _Bytes], object]] = None, backend: str = 'soft',
-        size: tuple[int, int] = (1280, 720), samples: int = 1, radii: str = 'per-level', metric: str = 'euclidean',
+        size: tuple[int, int] = (1280, 720), samples: int = 1, radii: Optional[str] = None, metric: str = 'euclidean',
         kappa0: Optional[float] = None, pixel_error: float = 1.0, beta: float = 0.5, delta: float = 0.0,
         blend: str = 'smoothstep', effects: str = 'auto', tint: bool = False, threads: int = 0,
         progress: _Progress = None) -> dict[str, Any]: ...

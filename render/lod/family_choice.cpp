@@ -60,7 +60,7 @@ class Choice {
       const Candidate next = candidates_.back();
       candidates_.pop_back();
       const Box3f& box = hierarchy_.cells[next.parent].bounds;
-      const float radius = radii_.select[next.level];
+      const float radius = radii_.of(next.parent, next.level);
       if (!limits.empty() && limited_distance(radii_.metric, viewpoint_, box, limits) >= radius) continue;
       const std::size_t children = candidates_.size();
       if (!take(next)) limits.push_back({box, radius});
@@ -73,8 +73,9 @@ class Choice {
  private:
   void add_candidate(CellId cell, std::size_t level) {
     if (static_cast<int>(level) == hierarchy_.finest()) return;
+    const float radius = radii_.of(cell, level);
     const float d = distance(radii_.metric, viewpoint_, hierarchy_.cells[cell].bounds);
-    if (d < radii_.select[level]) candidates_.push_back({radii_.select[level] - d, cell, level});
+    if (d < radius) candidates_.push_back({radius - d, cell, level});
   }
 
   // False if there is no room for it.
@@ -100,7 +101,7 @@ class Choice {
 }  // namespace
 
 float excess(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, CellId cell) {
-  return radii.select[static_cast<std::size_t>(hierarchy.level_of(cell))] -
+  return radii.of(cell, static_cast<std::size_t>(hierarchy.level_of(cell))) -
          distance(radii.metric, viewpoint, hierarchy.cells[cell].bounds);
 }
 

@@ -63,13 +63,13 @@ class LimitTracker::Update {
         viewpoint_(viewpoint),
         child_state_(child_state),
         rate_(rate),
-        least_(rate * near_band(radii)),
+        least_(rate * near_band(hierarchy, radii)),
         tracker_(tracker) {}
 
   void visit(CellId id, std::size_t level) {
     if (static_cast<int>(level) == hierarchy_.finest()) return;
     const Cell& cell = hierarchy_.cells[id];
-    const float full = radii_.select[level];
+    const float full = radii_.of(id, level);
     const float d = distance(radii_.metric, viewpoint_, cell.bounds);
     if (d >= full) return;  // drawn as it is; no limit up to `full` would change d' anywhere
     const ChildState state = child_state_(id);
@@ -86,9 +86,15 @@ class LimitTracker::Update {
  private:
   // A distance of which a share changes no vertex by more than its share of the way. No band begins below that of the
   // finest level; where that begins at 0, a part of its width serves, or limits would sink for ever.
-  [[nodiscard]] static float near_band(const Radii& radii) {
+  [[nodiscard]] static float near_band(const Hierarchy& hierarchy, const Radii& radii) {
     const std::size_t levels = radii.select.size();
-    return std::max(radii.band_begin.back(), levels > 1 ? radii.select[levels - 2] / 16 : 0);
+    if (levels == 1) return radii.band_begin.back();
+    if (radii.by_cell.empty()) return std::max(radii.band_begin.back(), radii.select[levels - 2] / 16);
+    const auto least = [&](std::size_t level) {
+      const Level& l = hierarchy.levels[level];
+      return std::ranges::min(std::span(radii.by_cell).subspan(l.first_cell, l.cell_count));
+    };
+    return std::max(least(levels - 1), least(levels - 2) / 16);
   }
 
   // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.

@@ -10,6 +10,9 @@
 // Q: the cell is never refined. When R sinks slowly after the finer cells have come, they appear at their parents'
 // places (lambda = 0) and move on from there: d' changes by no more than R does.
 //
+// Adaptive radii measure boxes alone: a limit on Q with R = R_Q keeps Q from being refined, and d' of a box is at most
+// that of a box inside it, and at least that less the overhang of it: all that their proof needs of d (decision 55).
+//
 // The excess of a limit, R - d(v_p, Q), decreases geometrically. Where a limit of excess e is larger than d, d' is
 // at least e / 2 (for d' >= d(v_p, x) and d' >= R - d(x, Q) >= e - d(v_p, x)). A step of e by a given share thus
 // changes d' by at most twice that share, everywhere: near the viewpoint, where bands are narrow, by little.
@@ -61,9 +64,9 @@ class LimitTracker {
   using ChildStateOf = std::function<ChildState(CellId cell)>;
 
   // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
-  // (R = r_l), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit loses in
-  // a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears. Returns
-  // false if the limits are those of the last frame, bit by bit.
+  // (R: its radius), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit
+  // loses in a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears.
+  // Returns false if the limits are those of the last frame, bit by bit.
   bool update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const ChildStateOf& child_state,
               float rate);
 

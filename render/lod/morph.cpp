@@ -97,11 +97,20 @@ float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex) {
   return signature_lambda(context, level, signatures.users(signatures.of(cell)[place]));
 }
 
-void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<float>& out) {
-  if (!context.radii->signatures) return out.assign(1 + context.hierarchy->cells[cell].shared_ids.size(), 1);
-  const Signatures& signatures = *context.radii->signatures;
-  const int level = context.hierarchy->level_of(cell);
+void adaptive_lambdas(const MorphContext& frame, CellId cell, std::vector<float>& out) {
+  if (!frame.radii->signatures) return out.assign(1 + frame.hierarchy->cells[cell].shared_ids.size(), 1);
+  const Signatures& signatures = *frame.radii->signatures;
+  const int level = frame.hierarchy->level_of(cell);
   const std::span<const std::uint32_t> own = signatures.of(cell);
+  MorphContext context = frame;
+  std::vector<DetailLimit> near;
+  if (!frame.limits.empty()) {
+    Box3f all;  // parents' boxes hold those of the cells
+    for (const std::uint32_t signature : own)
+      for (const CellId parent : signatures.users(signature).parents) all.extend(frame.hierarchy->cells[parent].bounds);
+    limits_near(frame.radii->metric, frame.viewpoint, all, frame.limits, near);
+    context.limits = near;
+  }
   std::array<float, Signatures::most> of_signature;
   for (std::size_t k = 0; k < own.size(); ++k)
     of_signature[k] = signature_lambda(context, level, signatures.users(own[k]));

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/math/round_up.h"
 
 namespace lodestone {
@@ -113,7 +114,7 @@ class AdaptiveRadii {
 
 Radii make_adaptive(const Hierarchy& hierarchy, const RadiiConfig& config,
                     std::shared_ptr<const Signatures> signatures) {
-  if (!signatures) signatures = std::make_shared<const Signatures>(hierarchy);
+  if (!signatures) signatures = signatures_of(hierarchy);
   Radii radii;
   radii.metric = config.metric;
   radii.by_cell = AdaptiveRadii(hierarchy, config, *signatures).make();
@@ -149,6 +150,11 @@ float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
   for (int l = 1; l < hierarchy.finest(); ++l)
     rho = std::max(rho, hierarchy.levels[static_cast<std::size_t>(l)].reach[static_cast<std::size_t>(metric)]);
   return rho;
+}
+
+std::string_view name_of(RadiiRule rule) {
+  constexpr std::string_view names[] = {"per-level", "uniform", "adaptive"};
+  return names[static_cast<std::size_t>(rule)];
 }
 
 RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov) {

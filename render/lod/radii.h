@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -35,6 +36,9 @@ struct RadiiConfig {
   friend bool operator==(const RadiiConfig&, const RadiiConfig&) = default;
 };
 
+// "per-level" and so on.
+[[nodiscard]] std::string_view name_of(RadiiRule rule);
+
 // The same rule for a picture of this size and a camera of this field of view, in radians.
 [[nodiscard]] RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov);
 
@@ -62,8 +66,8 @@ struct Radii {
 inline constexpr float rounding_guard = 4e-6f;
 
 // Throws InputError for parameters out of range. An inadmissible uniform kappa0 gives admissible = false and bands that
-// are steps at r_{l-1}; the caller decides if that is an error. Adaptive radii need the signatures of the hierarchy:
-// without them they are found here, which takes all of its payloads.
+// are steps at r_{l-1}; the caller decides if that is an error. Adaptive radii need signatures: without those given and
+// those of the hierarchy they are found here, which takes all of its payloads.
 [[nodiscard]] Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config,
                                std::shared_ptr<const Signatures> signatures = nullptr);
 

@@ -17,7 +17,7 @@ Residency::Residency(const Hierarchy& tables, std::vector<std::uint64_t> family_
 
 bool Residency::is_refined(CellId cell) const {
   return limited_distance(radii_.metric, viewpoint_, hierarchy_.cells[cell].bounds, tracker_.limits()) <
-         radii_.select[static_cast<std::size_t>(hierarchy_.level_of(cell))];
+         radii_.of(cell, static_cast<std::size_t>(hierarchy_.level_of(cell)));
 }
 
 ChildState Residency::state_of(CellId cell) const {
@@ -59,7 +59,7 @@ bool Residency::take_in(CellId parent) {
 
 bool Residency::update(const Radii& radii, Vec3f viewpoint) {
   const bool rests = viewpoint == viewpoint_ && radii.metric == radii_.metric && radii.select == radii_.select &&
-                     radii.band_begin == radii_.band_begin;
+                     radii.band_begin == radii_.band_begin && radii.by_cell == radii_.by_cell;
   if (rests && !changing_) return false;
   radii_ = radii;
   viewpoint_ = viewpoint;

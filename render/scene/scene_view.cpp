@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "render/camera/light_view.h"
 #include "render/frame/appearance.h"
 
@@ -128,6 +129,13 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
   Radii largest = placed.radii;
   for (const ViewConfig& other : beside) {
     const Radii radii = make_radii(resident.hierarchy(), for_picture(other.radii, other.size, camera.vertical_fov));
+    if (!largest.by_cell.empty() || !radii.by_cell.empty()) {
+      std::vector<float> by_cell;
+      for (std::size_t l = 0; l < radii.select.size(); ++l)
+        for (CellId c = resident.hierarchy().levels[l].first_cell; c < resident.hierarchy().levels[l].end_cell(); ++c)
+          by_cell.push_back(std::max(largest.of(c, l), radii.of(c, l)));
+      largest.by_cell = std::move(by_cell);
+    }
     for (std::size_t l = 0; l < radii.select.size(); ++l) {
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
       largest.band_begin[l] = std::min(largest.band_begin[l], radii.band_begin[l]);
@@ -144,18 +152,20 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
   return !same;
 }
 
-// Signatures are found when they are first asked for; placements of one model share them.
+// Signatures that the file has not are found when they are first asked for; placements of one model share them. Of a
+// streamed one they cannot be found: it gets radii per level, which keep the tolerance, too.
 void SceneView::set_radii(Placed& placed, const RadiiConfig& config) {
   if (placed.radii_config == config) return;
-  if (config.rule == RadiiRule::adaptive && placed.open.resident)
-    throw InputError("adaptive radii need the whole model in memory; a streamed one is drawn by per-level radii");
-  if (config.rule == RadiiRule::adaptive && !placed.signatures) {
+  const Hierarchy& hierarchy = *placed.open.hierarchy;
+  RadiiConfig possible = config;
+  if (placed.open.resident && !hierarchy.signatures && config.rule == RadiiRule::adaptive)
+    possible.rule = RadiiRule::per_level;
+  if (possible.rule == RadiiRule::adaptive && !placed.signatures) {
     const auto same = std::ranges::find_if(
-        placed_, [&](const Placed& p) { return p.open.hierarchy == placed.open.hierarchy && p.signatures != nullptr; });
-    placed.signatures =
-        same == placed_.end() ? std::make_shared<const Signatures>(*placed.open.hierarchy) : same->signatures;
+        placed_, [&](const Placed& p) { return p.open.hierarchy == &hierarchy && p.signatures != nullptr; });
+    placed.signatures = same == placed_.end() ? signatures_of(hierarchy) : same->signatures;
   }
-  placed.radii = make_radii(*placed.open.hierarchy, config, placed.signatures);
+  placed.radii = make_radii(hierarchy, possible, placed.signatures);
   placed.radii_config = config;
 }
 

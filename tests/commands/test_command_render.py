@@ -51,8 +51,8 @@ class Render(CommandCase):
         for camera in ("fly-in", "orbit"):
             for metric in ("euclidean", "chebyshev"):
                 uniform = ("--radii", "uniform", "--kappa0", 1.1 * self.rho(metric))
-                adaptive = ("--radii", "adaptive", "--pixel-error", 2)
-                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform, adaptive):
+                per_level = ("--radii", "per-level", "--pixel-error", 2)
+                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform, per_level):
                     result = self.fly("--camera", camera, "--metric", metric, *rule)
                     self.assert_seamless(result)
                     if camera == "fly-in":  # the orbit, seeing all, may keep clear of every band
@@ -79,7 +79,7 @@ class Render(CommandCase):
         self.lodestone("generate", "sphere", "--triangles", 100000, "-o", "large.ply")
         self.lodestone("build", "large.ply", "-o", "deep.lode", "--cell-triangles", 50)
         deep = self.folder / "deep.lode"
-        self.assert_seamless_views(self.fly("--camera", "adversarial", "--radii", "adaptive", lode=deep))
+        self.assert_seamless_views(self.fly("--camera", "adversarial", lode=deep))
 
     def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
         self.assertTrue(result["admissible"])

@@ -11,6 +11,7 @@
 #include "render/lod/resident_cells.h"
 #include "render/scene/scene_view.h"
 #include "tests/expect_error.h"
+#include "tests/old_lode.h"
 #include "tests/render/conformance.h"
 #include "tests/test_folder.h"
 
@@ -312,18 +313,27 @@ TEST(SceneView, AdaptiveRadiiAreMadeOncePerTolerance) {
   EXPECT_EQ(view.radii(0).signatures.get(), found);
 }
 
-TEST(SceneView, AdaptiveRadiiNeedTheWholeModel) {
+// The cells of a streamed model are not all there: its file has their signatures. Without them it is drawn by radii per
+// level.
+TEST(SceneView, AdaptiveRadiiOfStreamedModelsComeFromTheFile) {
   const TestFolder folder;
   (void)write_lode(torus(), folder.path() / "torus.lode");
-  CellStream stream(folder.path() / "torus.lode");
-  ResidentCells resident(stream, {.budget_bytes = std::uint64_t{1} << 30});
-  SceneView view(scene_of_one(), {{&resident.hierarchy(), &resident}});
-  ViewConfig config = view_config(view.scene(), size);
-  config.radii = {};
-  config.radii.rule = RadiiRule::adaptive;
-  expect_error_of<InputError>([&] { return view.update(camera, config); }, {"whole model", "per-level"});
-  config.radii.rule = RadiiRule::per_level;
-  EXPECT_TRUE(view.update(camera, config));
+  for (const bool has_signatures : {true, false}) {
+    if (!has_signatures) test::drop_signatures(folder.path() / "torus.lode");
+    CellStream stream(folder.path() / "torus.lode");
+    ASSERT_EQ(stream.tables().signatures != nullptr, has_signatures);
+    ResidentCells resident(stream, {.budget_bytes = std::uint64_t{1} << 30});
+    SceneView view(scene_of_one(), {{&resident.hierarchy(), &resident}});
+    ViewConfig config = view_config(view.scene(), size);
+    config.radii = {};
+    config.radii.rule = RadiiRule::adaptive;
+    ASSERT_TRUE(view.update(camera, config));
+    EXPECT_EQ(view.radii(0).signatures, stream.tables().signatures);
+    const Radii whole = make_radii(torus(), for_picture(config.radii, size, camera.vertical_fov));
+    EXPECT_EQ(view.radii(0).by_cell, has_signatures ? whole.by_cell : std::vector<float>{});
+    for (int i = 0; i < 400 && !view.complete(); ++i) stream.wait(), (void)view.update(camera, config);
+    EXPECT_TRUE(view.complete());
+  }
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
-// Materials and textures of a .lode file (lode_format.h describes their bytes).
+// Signatures, materials and textures of a .lode file (lode_format.h describes their bytes).
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/registry.h"
@@ -27,8 +29,12 @@ class Writer {
   }
   bool operator()(const std::vector<char>& content) {
     (*this)(static_cast<std::uint64_t>(content.size()));
-    append(content.data(), content.size());
+    items(content);
     return true;
+  }
+  template <class T>
+  void items(const std::vector<T>& all) {
+    append(all.data(), all.size() * sizeof(T));
   }
   std::vector<std::byte> bytes;
 
@@ -56,6 +62,18 @@ class Reader {
   }
   bool operator()(std::string& text) { return take_sized<std::uint32_t>(text); }
   bool operator()(std::vector<char>& content) { return take_sized<std::uint64_t>(content); }
+  template <class T>
+  bool items(std::vector<T>& all, std::uint64_t count) {
+    if (count > rest_.size() / sizeof(T)) return false;
+    all.resize(count);
+    return copy(all.data(), count * sizeof(T));
+  }
+  // The reader of the next bytes, which are left out here; an empty one beyond the end.
+  Reader part(std::uint64_t bytes) {
+    const Reader part(rest_.first(std::min<std::uint64_t>(bytes, rest_.size())));
+    rest_ = rest_.subspan(part.left());
+    return part;
+  }
   [[nodiscard]] std::size_t left() const { return rest_.size(); }
 
  private:
@@ -120,6 +138,29 @@ void put_all(Writer& writer, const std::vector<T>& items, const Visit& visit) {
   for (const T& item : items) visit(writer, item);
 }
 
+void put_signatures(Writer& writer, const Signatures::Table& table) {
+  Writer all;
+  all.items(table.sets), all.items(table.sizes), all.items(table.cells), all.items(table.places);
+  writer(static_cast<std::uint64_t>(all.bytes.size()));
+  writer.items(all.bytes);
+}
+
+const char* take_signatures(Reader& reader, Hierarchy& hierarchy) {
+  const auto sum = [](const std::vector<std::uint32_t>& items) {
+    return std::reduce(items.begin(), items.end(), std::uint64_t{0});
+  };
+  std::uint64_t bytes = 0;
+  if (!reader(bytes) || bytes > reader.left()) return "the signatures are invalid";
+  Reader all = reader.part(bytes);
+  Signatures::Table table;
+  if (!all.items(table.sets, hierarchy.levels.size()) || !all.items(table.sizes, sum(table.sets)) ||
+      !all.items(table.cells, sum(table.sizes)) || !all.items(table.places, all.left()))
+    return "the signatures are invalid";
+  if (const char* fault = Signatures::fault(hierarchy, table)) return fault;
+  hierarchy.signatures = std::make_shared<const Signatures>(hierarchy, std::move(table));
+  return nullptr;
+}
+
 // A material with the fields of its record alone.
 Material recorded(const Material& m) {
   return {.name = m.name, .base_colour = m.base_colour, .texture = m.texture, .normal_map = m.normal_map};
@@ -163,9 +204,10 @@ bool has_surfaces(const Hierarchy& hierarchy) {
                              [](const Texture& t) { return t.mag_filter != 0 || t.min_filter != 0; });
 }
 
-std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
+std::vector<std::byte> encode_assets(const Hierarchy& hierarchy, const Signatures* signatures) {
   Writer writer;
   if (has_named_simplifier(hierarchy)) writer(hierarchy.provenance.simplifier);
+  if (signatures) put_signatures(writer, signatures->table());
   if (hierarchy.materials.empty() && hierarchy.textures.empty()) return std::move(writer.bytes);
   put_all(writer, hierarchy.materials, each_material);
   put_all(writer, hierarchy.textures, each_texture);
@@ -183,6 +225,8 @@ const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t featur
   if (features & lode_named_simplifier &&
       !(reader(hierarchy.provenance.simplifier) && can_be_name(hierarchy.provenance.simplifier)))
     return "the name of the simplifier is invalid";
+  if (features & lode_signatures)
+    if (const char* fault = take_signatures(reader, hierarchy)) return fault;
   if (reader.left() == 0)
     return has_copies || features & lode_surfaces ? "there are copies of textures or surfaces, but no textures"
                                                   : nullptr;

@@ -150,8 +150,8 @@ LodeReader::LodeReader(std::span<const std::byte> bytes, std::shared_ptr<const v
   take_header(hierarchy_, header);
   take_levels(hierarchy_, bytes, header, file_);
   take_cells(header, std::move(storage));
-  take_assets(header);
   if (const std::string fault = table_fault(hierarchy_); !fault.empty()) refuse(file_, "tables", fault);
+  take_assets(header);
 }
 
 LodeCell LodeReader::record(CellId cell) const {
@@ -205,10 +205,10 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
 
 void LodeReader::take_assets(const LodeHeader& header) {
   const std::span<const std::byte> assets = bytes_.subspan(payload_end_);
+  const char* const place = "signatures, materials and textures";
   if (checksum(assets) != header.asset_checksum)
-    refuse(file_, "materials and textures", "the checksum does not match: the file was altered");
-  if (const char* fault = decode_assets(assets, header.features, hierarchy_))
-    refuse(file_, "materials and textures", fault);
+    refuse(file_, place, "the checksum does not match: the file was altered");
+  if (const char* fault = decode_assets(assets, header.features, hierarchy_)) refuse(file_, place, fault);
 }
 
 void LodeReader::check(CellId first, CellId end) {

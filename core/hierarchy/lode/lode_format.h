@@ -8,10 +8,10 @@
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
 // arrays as streams (core/hierarchy/lode/lode_payload.h), then zeros up to 16 bytes. Payloads follow each other, so
-// that each ends where the next begins. Assets are materials and textures with their copies (encode_assets), before
-// them the name of a simplifier that is not ours. Each
-// payload has its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets. Nothing in
-// the file depends on time, paths or threads: equal hierarchies give equal bytes.
+// that each ends where the next begins. Assets are signatures, materials and textures with their copies
+// (encode_assets), before them the name of a simplifier that is not ours. Each payload has its XXH3-64 checksum in the
+// cell table; one more covers header and tables, and one the assets. Nothing in the file depends on time, paths or
+// threads: equal hierarchies give equal bytes.
 #pragma once
 
 #include <array>
@@ -27,6 +27,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/lode/lode_payload.h"
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/model/signatures.h"
 
 namespace lodestone {
 
@@ -52,7 +53,8 @@ enum LodeFeatures : std::uint16_t {
   lode_surfaces = 256,           // the assets have an object of surfaces
   lode_up = 512,                 // the header says which axis is up; without it z is, as a guess
   lode_named_simplifier = 1024,  // the assets begin with its name
-  lode_known_features = 2047,
+  lode_signatures = 2048,        // the assets have signatures; files of older programs have none
+  lode_known_features = 4095,
 };
 
 inline constexpr std::uint8_t lode_guessed_up = 128;
@@ -149,7 +151,13 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
                                                         std::span<const std::uint64_t> checksums,
                                                         std::span<const std::byte> assets);
 
-// Materials and textures, the last section of the file:
+// The last section of the file:
+//
+//   [string simplifier |] u64 bytes | signatures
+//   signatures: u32 sets x levels | u32 cells x sets | u32 cell x cells of all sets | u8 place x shared vertices
+//   (Signatures::Table); only in files with the feature lode_signatures, which all have that are written
+//
+// and then, if there are any, materials and textures:
 //
 //   u32 materials | material x n | u32 textures | texture x n [| u32 copies | copy x n] [| u64 bytes | surfaces]
 //   material: string name, 4 floats of base colour, u32 texture, u32 normal map
@@ -161,14 +169,14 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 //   glTF (core/formats/gltf/gltf_surface.h), "samplers": one for each texture}; only in files with the feature
 //   lode_surfaces, which those have whose materials or textures differ from the defaults of Material and Texture
 //
-// Empty when there is neither.
-[[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy);
+// Without signatures: those of files of older programs.
+[[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy, const Signatures* signatures = nullptr);
 // True if the assets of the hierarchy begin with the name of a simplifier.
 [[nodiscard]] bool has_named_simplifier(const Hierarchy& hierarchy);
 // True if the assets of the hierarchy have an object of surfaces.
 [[nodiscard]] bool has_surfaces(const Hierarchy& hierarchy);
-// Returns the fault of the bytes, nullptr if there is none. Empty bytes mean neither materials nor textures. Of the
-// features those that concern assets count.
+// Returns the fault of the bytes, nullptr if there is none. Of the features those that concern assets count, and of the
+// hierarchy the tables of levels and cells.
 [[nodiscard]] const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t features, Hierarchy& hierarchy);
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()

@@ -106,6 +106,8 @@ struct TextureCopy {
   friend bool operator==(const TextureCopy&, const TextureCopy&) = default;
 };
 
+class Signatures;
+
 struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
@@ -120,6 +122,8 @@ struct Hierarchy {
 
   // The attributes that the vertices of all cells have.
   AttributeSet attributes;
+  // Those of the file, null where it has none (core/hierarchy/model/find_signatures.h finds them then).
+  std::shared_ptr<const Signatures> signatures = {};
 
   [[nodiscard]] int finest() const { return static_cast<int>(levels.size()) - 1; }
   [[nodiscard]] std::span<const Cell> cells_of(int level) const {

@@ -1,162 +1,100 @@
 #include "core/hierarchy/model/signatures.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
-#include <tuple>
-#include <unordered_map>
 #include <utility>
 
 namespace lodestone {
 namespace {
 
-using Cells = std::vector<CellId>;
-
-struct CellsHash {
-  std::size_t operator()(const Cells& cells) const {
-    std::uint64_t hash = cells.size();
-    for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
-    return hash;
-  }
-};
-
-// A copy of a shared vertex: where it is, in which cell, and the how many-th of that cell's shared vertices it is.
-struct Copy {
-  std::array<std::uint32_t, 3> position;  // bits; -0 is 0
-  CellId cell;
-  std::uint32_t vertex = 0;
-};
-
-std::vector<Copy> sorted_copies(const Hierarchy& hierarchy, const Level& level) {
-  std::vector<Copy> copies;
-  const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); };
-  for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell) {
-    const Cell& c = hierarchy.cells[cell];
-    for (std::uint32_t k = 0; k < c.shared_ids.size(); ++k) {
-      const Vec3f p = c.positions[c.first_shared() + k];
-      copies.push_back({{bits(p.x), bits(p.y), bits(p.z)}, cell, k});
+// Calls visit(level, cells) for the sets of the table, as long as it returns true.
+template <class Visit>
+bool for_sets(const Signatures::Table& table, const Visit& visit) {
+  std::size_t set = 0, cell = 0;
+  for (std::size_t level = 0; level < table.sets.size(); ++level)
+    for (std::uint32_t k = 0; k < table.sets[level]; ++k) {
+      const std::span cells = std::span(table.cells).subspan(cell, table.sizes[set]);
+      if (!visit(level, cells)) return false;
+      cell += table.sizes[set++];
     }
-  }
-  std::ranges::sort(copies, [](const Copy& a, const Copy& b) {
-    return std::tie(a.position, a.cell, a.vertex) < std::tie(b.position, b.cell, b.vertex);
-  });
-  return copies;
+  return true;
 }
 
-// The sets of a level while they are being found: some may be united with others.
-struct LevelSets {
-  std::unordered_map<Cells, std::uint32_t, CellsHash> number_of;
-  std::vector<Cells> sets;
-  std::vector<std::uint32_t> joined;  // by set: the one that it became a part of, or itself
-
-  std::uint32_t number(const Cells& cells) {
-    const auto [found, is_new] = number_of.try_emplace(cells, static_cast<std::uint32_t>(sets.size()));
-    if (is_new) joined.push_back(found->second), sets.push_back(cells);
-    return found->second;
-  }
-  std::uint32_t final_of(std::uint32_t set) const {
-    while (joined[set] != set) set = joined[set];
-    return set;
-  }
-  // All of them become their union, in every cell.
-  void unite(std::span<const std::uint32_t> some) {
-    Cells all;
-    for (const std::uint32_t set : some) all.insert(all.end(), sets[set].begin(), sets[set].end());
-    std::ranges::sort(all);
-    all.erase(std::ranges::unique(all).begin(), all.end());
-    // The union may be a set that exists, and then that one may have become a part of another.
-    const std::uint32_t to = final_of(number(all));
-    for (const std::uint32_t set : some)
-      if (const std::uint32_t from = final_of(set); from != to) joined[from] = to;
-  }
-};
-
-void make_distinct(std::vector<std::uint32_t>& sets) {
-  std::ranges::sort(sets);
-  sets.erase(std::ranges::unique(sets).begin(), sets.end());
-}
-
-// Unites sets of cells that have more than `most`, until none has. Every union takes away one at least.
-void limit(LevelSets& level, std::vector<std::vector<std::uint32_t>>& of_cell, std::size_t most) {
-  for (bool united = true; united;) {
-    united = false;
-    for (std::vector<std::uint32_t>& sets : of_cell) {
-      for (std::uint32_t& set : sets) set = level.final_of(set);
-      // A cell alone stays alone: it is the set of all that lies inside the cell, and the first of its list.
-      make_distinct(sets);
-      const auto shared = std::ranges::partition(sets, [&](std::uint32_t set) { return level.sets[set].size() == 1; });
-      if (sets.size() <= most) continue;
-      const std::size_t excess = sets.size() - most + 1;
-      std::ranges::sort(shared);
-      level.unite(std::span(sets).last(std::min(excess, shared.size())));
-      united = true;
-    }
-  }
+template <class Items>
+std::uint64_t sum(const Items& items) {
+  std::uint64_t total = 0;
+  for (const auto item : items) total += item;
+  return total;
 }
 
 }  // namespace
 
-Signatures::Signatures(const Hierarchy& hierarchy, std::size_t most_in_cell) {
-  assert(most_in_cell >= 2 && most_in_cell <= most);
-  for (int level = 0; level <= hierarchy.finest(); ++level) add_level(hierarchy, level, most_in_cell);
-  first_of_level_.push_back(static_cast<std::uint32_t>(first_cell_.size() - 1));
+const char* Signatures::fault(const Hierarchy& tables, const Table& table) {
+  if (table.sets.size() != tables.levels.size() || sum(table.sets) != table.sizes.size() ||
+      sum(table.sizes) != table.cells.size())
+    return "the signatures have wrong sizes";
+  std::vector<std::uint16_t> count(tables.cells.size(), 1);  // of each cell
+  std::span<const CellId> last;
+  std::size_t last_level = 0;
+  const bool valid = for_sets(table, [&](std::size_t number, std::span<const CellId> cells) {
+    const Level& level = tables.levels[number];
+    if (cells.size() < 2 || cells.front() < level.first_cell || cells.back() >= level.end_cell()) return false;
+    if (std::ranges::adjacent_find(cells, std::ranges::greater_equal{}) != cells.end()) return false;
+    if (!last.empty() && last_level == number && !std::ranges::lexicographical_compare(last, cells)) return false;
+    last = cells, last_level = number;
+    return std::ranges::all_of(cells, [&](CellId cell) { return ++count[cell] <= most; });
+  });
+  if (!valid) return "a signature is invalid";
+  std::size_t place = 0;
+  for (std::size_t c = 0; c < tables.cells.size(); ++c) {
+    const std::size_t end = place + tables.cells[c].shared_ids.size();
+    if (end > table.places.size()) break;
+    for (; place < end; ++place)
+      if (table.places[place] >= count[c]) return "the signature of a shared vertex is out of range";
+  }
+  return place == table.places.size() ? nullptr : "the number of signatures is not that of the shared vertices";
 }
 
-void Signatures::add_set(const Hierarchy& hierarchy, std::span<const CellId> cells) {
+Signatures::Signatures(const Hierarchy& tables, Table table) : table_(std::move(table)) {
+  assert(!fault(tables, table_));
+  const std::size_t cell_count = tables.cells.size();
+  const auto begin_level = [&](std::size_t level) {
+    first_of_level_.push_back(static_cast<std::uint32_t>(first_cell_.size() - 1));
+    for (CellId c = tables.levels[level].first_cell; c < tables.levels[level].end_cell(); ++c)
+      add_set(tables, std::span(&c, 1));
+  };
+  (void)for_sets(table_, [&](std::size_t level, std::span<const CellId> cells) {
+    while (first_of_level_.size() <= level) begin_level(first_of_level_.size());
+    add_set(tables, cells);
+    return true;
+  });
+  while (first_of_level_.size() < tables.levels.size()) begin_level(first_of_level_.size());
+  const auto signatures = static_cast<std::uint32_t>(first_cell_.size() - 1);
+  first_of_level_.push_back(signatures);
+
+  // A signature belongs to all of its cells, and is added to theirs in ascending order.
+  first_set_.assign(cell_count + 1, 0);
+  for (const CellId cell : cells_) ++first_set_[cell + 1];
+  for (std::size_t c = 0; c < cell_count; ++c) first_set_[c + 1] += first_set_[c];
+  cell_sets_.resize(cells_.size());
+  std::vector<std::uint64_t> next(first_set_.begin(), first_set_.end() - 1);
+  for (std::uint32_t s = 0; s < signatures; ++s)
+    for (const CellId cell : users(s).cells) cell_sets_[next[cell]++] = s;
+  first_place_.reserve(cell_count + 1);
+  first_place_.push_back(0);
+  for (const Cell& cell : tables.cells) first_place_.push_back(first_place_.back() + cell.shared_ids.size());
+}
+
+void Signatures::add_set(const Hierarchy& tables, std::span<const CellId> cells) {
   for (const CellId cell : cells) {
     cells_.push_back(cell);
     // Cells of a level are in Morton order, and so are their parents.
-    const CellId parent = hierarchy.cells[cell].parent;
+    const CellId parent = tables.cells[cell].parent;
     if (parent != no_cell && (parents_.size() == first_parent_.back() || parents_.back() != parent))
       parents_.push_back(parent);
   }
   first_cell_.push_back(cells_.size());
   first_parent_.push_back(parents_.size());
-}
-
-void Signatures::add_level(const Hierarchy& hierarchy, int number, std::size_t most_in_cell) {
-  const Level& level = hierarchy.levels[static_cast<std::size_t>(number)];
-  const std::vector<Copy> copies = sorted_copies(hierarchy, level);
-  LevelSets found;
-  std::vector<std::vector<std::uint32_t>> of_cell(level.cell_count);  // its sets
-  std::vector<std::vector<std::uint32_t>> of_vertex(level.cell_count);
-  for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell) {
-    of_cell[level.rank_of(cell)].push_back(found.number({cell}));
-    of_vertex[level.rank_of(cell)].resize(hierarchy.cells[cell].shared_ids.size());
-  }
-  Cells users;
-  for (std::size_t begin = 0, end = 0; begin < copies.size(); begin = end) {
-    users.clear();
-    for (; end < copies.size() && copies[end].position == copies[begin].position; ++end)
-      if (users.empty() || users.back() != copies[end].cell) users.push_back(copies[end].cell);
-    const std::uint32_t set = found.number(users);
-    for (std::size_t k = begin; k < end; ++k) {
-      of_vertex[level.rank_of(copies[k].cell)][copies[k].vertex] = set;
-      of_cell[level.rank_of(copies[k].cell)].push_back(set);
-    }
-  }
-  limit(found, of_cell, most_in_cell);
-
-  // In the order in which the cells name them.
-  first_of_level_.push_back(static_cast<std::uint32_t>(first_cell_.size() - 1));
-  constexpr std::uint32_t unnamed = ~std::uint32_t{0};
-  std::vector<std::uint32_t> named(found.sets.size(), unnamed);
-  for (std::uint32_t rank = 0; rank < level.cell_count; ++rank) {
-    for (const std::uint32_t set : of_cell[rank]) {
-      if (named[set] == unnamed) {
-        named[set] = static_cast<std::uint32_t>(first_cell_.size() - 1);
-        add_set(hierarchy, found.sets[set]);
-      }
-      cell_sets_.push_back(named[set]);
-    }
-    first_set_.push_back(cell_sets_.size());
-    for (const std::uint32_t set : of_vertex[rank]) {
-      const auto place = std::ranges::find(of_cell[rank], found.final_of(set));
-      places_.push_back(static_cast<std::uint8_t>(place - of_cell[rank].begin()));
-    }
-    first_place_.push_back(places_.size());
-  }
 }
 
 }  // namespace lodestone

@@ -62,7 +62,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
   Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
       vertices("vertices"), triangles("triangles"), displacement("displacement"), lattice("lattice"), edges("edges"),
       boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"),
-      textures("textures"), same("input");
+      textures("textures"), signatures("signatures"), same("input");
   const bool has_wedges = hierarchy.attributes.wedges;
   VerifyReport report;
 
@@ -93,17 +93,19 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     check_reach(hierarchy, reach);
     report.error_ratio = check_errors(hierarchy, errors);
     if (has_wedges) check_wedges(hierarchy, wedges);
+    if (hierarchy.signatures) check_signatures(hierarchy, signatures);
     check_textures(hierarchy, textures);
     if (input) check_input(hierarchy, *input, same);
   } else {
     for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
-                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &textures, &same})
+                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &signatures, &textures, &same})
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 
   for (const Finding* finding : {&structure, &cells, &partition, &identity, &parents, &vertices, &triangles,
                                  &displacement, &lattice, &edges, &boxes, &reach, &errors, &fingerprint})
     report.checks.push_back(finding->check());
+  if (hierarchy.signatures) report.checks.push_back(signatures.check());
   if (has_wedges) report.checks.push_back(wedges.check());
   if (!hierarchy.texture_copies.empty()) report.checks.push_back(textures.check());
   if (input) report.checks.push_back(same.check());

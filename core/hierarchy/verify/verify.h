@@ -54,6 +54,7 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //                  below C from M_l at the corners and middles of triangles and edges, at most all displacements
 //                  together with the longest edge. Both of a regular sample on large levels. e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
+//   signatures     only where the hierarchy has them: copies of a vertex have one, which has all cells that use it
 //   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates
 //   textures       only with copies of textures: each is an image of half the size of the one before, and the mean of

@@ -97,6 +97,9 @@ void check_bound(Finding& finding, const char* what, int level, float stored, do
 // Returns VerifyReport::error_ratio.
 [[nodiscard]] std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors);
 
+// verify_signatures.cpp: those that the hierarchy has.
+void check_signatures(const Hierarchy& hierarchy, Finding& signatures);
+
 // verify_input.cpp: M_L against the input.
 void check_cells(const Hierarchy& hierarchy, Finding& cells);
 void check_partition(const Hierarchy& hierarchy, Finding& partition);

@@ -13,7 +13,7 @@ struct ViewSettings {
   bool by_kappa0 = false;  // false: the tolerance in pixels sets the radii
   float pixel_error = 1;   // pixels of the picture that is drawn
   float kappa0 = 3;
-  RadiiRule rule = RadiiRule::per_level;  // uniform: of kappa0 alone; adaptive: of a tolerance in pixels alone
+  RadiiRule rule = RadiiRule::adaptive;  // of a tolerance in pixels alone; uniform: of kappa0 alone
   float beta = RadiiConfig{}.beta;
   Blend blend = Blend::smoothstep;
   int samples = 1;  // a pixel: 1 or 4

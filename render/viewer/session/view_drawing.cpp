@@ -63,8 +63,6 @@ void ViewDrawing::restart() {
 
 ViewConfig ViewDrawing::config_of(const ViewState& state, std::size_t settings, ImageSize size) {
   ViewConfig config = view_config(model_->scene, state, settings, size);
-  // Radii per cell follow from all cells.
-  if (config.radii.rule == RadiiRule::adaptive && model_->opened.streamed()) config.radii.rule = RadiiRule::per_level;
   config.clip = plane_of(state.clip, bounding_sphere());
   if (config.clip) config.closed = closed_models();
   return config;

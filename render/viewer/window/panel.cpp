@@ -77,15 +77,13 @@ void edit_blend(ViewSettings& settings) {
   ImGui::EndCombo();
 }
 
-// The tolerance in pixels, and whether every cell has its own radius: streamed ones have none.
-void edit_tolerance(ViewSettings& settings, bool streamed) {
+// The tolerance in pixels, and whether every cell has its own radius.
+void edit_tolerance(ViewSettings& settings) {
   ImGui::SetNextItemWidth(scaled(110));
   ImGui::SliderFloat("pixels", &settings.pixel_error, 0.1f, 50, "%.2f", ImGuiSliderFlags_Logarithmic);
   ImGui::SameLine();
-  ImGui::BeginDisabled(streamed);
   bool per_cell = settings.rule == RadiiRule::adaptive;
   if (ImGui::Checkbox("per cell", &per_cell)) settings.rule = per_cell ? RadiiRule::adaptive : RadiiRule::per_level;
-  ImGui::EndDisabled();
 }
 
 // kappa0 and its rule; red where the guarantee does not hold.
@@ -117,7 +115,7 @@ void edit_detail(const PanelFacts& facts, ViewState& state) {
   if (settings.by_kappa0)
     edit_kappa0(settings, found);
   else
-    edit_tolerance(settings, facts.model->opened.streamed());
+    edit_tolerance(settings);
   edit_blend(settings);
   ImGui::SliderFloat("band", &settings.beta, 0.05f, 8, "at least %.2f h", ImGuiSliderFlags_Logarithmic);
   int metric = static_cast<int>(state.metric);

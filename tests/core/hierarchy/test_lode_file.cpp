@@ -12,10 +12,12 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/mesh/clean.h"
 #include "parallel/hierarchy/save.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 #include "tests/expect_error.h"
+#include "tests/old_lode.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -281,6 +283,51 @@ TEST_F(LodeFile, KeepsTheNameOfASimplifier) {
   model.provenance.simplifier = "two\nlines";
   write_lode(model, path());
   expect_error_of<InputError>([&] { (void)open_lode(path()); }, {"name of the simplifier is invalid"});
+}
+
+// Files of older programs have none.
+TEST_F(LodeFile, KeepsSignatures) {
+  const Hierarchy model = lattice_model();
+  write_lode(model, path());
+  const Hierarchy back = open_lode(path());
+  ASSERT_NE(back.signatures, nullptr);
+  EXPECT_EQ(back.signatures->table(), find_signatures(model).table());
+
+  const Bytes bytes = read_bytes(path());
+  test::drop_signatures(path());
+  const Hierarchy old = open_lode(path());
+  EXPECT_EQ(old.signatures, nullptr);
+  write_lode(old, path("new.lode"));
+  EXPECT_EQ(read_bytes(path("new.lode")), bytes);
+}
+
+TEST_F(LodeFile, RefusesSignaturesThatDoNotFit) {
+  const Hierarchy model = lattice_model();
+  const Signatures::Table whole = find_signatures(model).table();
+  const auto fault = [&](const auto& change) {
+    Signatures::Table table = whole;
+    change(table);
+    const char* found = Signatures::fault(model, table);
+    return std::string(found ? found : "");
+  };
+  ASSERT_GT(whole.sizes.size(), 2u);
+  EXPECT_EQ(fault([](auto&) {}), "");
+  EXPECT_NE(fault([](auto& t) { t.sets.pop_back(); }), "");
+  EXPECT_NE(fault([](auto& t) { ++t.sets.back(); }), "");
+  EXPECT_NE(fault([](auto& t) { ++t.sizes.front(); }), "");
+  EXPECT_NE(fault([](auto& t) { t.cells.front() = CellId(0xffff'ffff); }), "");
+  EXPECT_NE(fault([](auto& t) { t.cells.back() = t.cells[t.cells.size() - 2]; }), "");
+  EXPECT_NE(fault([](auto& t) { t.cells.front() = CellId(0); }), "");
+  EXPECT_NE(fault([](auto& t) { t.places.push_back(0); }), "");
+  EXPECT_NE(fault([](auto& t) { t.places.pop_back(); }), "");
+  EXPECT_NE(fault([](auto& t) { t.places.front() = 255; }), "");
+  // A table that is whole, behind which the bytes end or go on.
+  const Signatures signatures = find_signatures(model);
+  const std::vector<std::byte> bytes = encode_assets(model, &signatures);
+  for (std::size_t size = 0; size <= bytes.size(); ++size) {
+    Hierarchy to = model;
+    EXPECT_EQ(decode_assets(std::span(bytes).first(size), lode_signatures, to) == nullptr, size == bytes.size());
+  }
 }
 
 TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {

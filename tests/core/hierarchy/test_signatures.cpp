@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "core/hierarchy/model/signatures.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
@@ -75,7 +75,7 @@ void expect_safe(const Hierarchy& h, const Signatures& signatures, std::size_t m
 TEST(Signatures, AreTheCellsThatUseAPosition) {
   for (const IndexedMesh& mesh : {test::torus_mesh(64, 32), test::terrain_mesh(40), test::sphere_mesh(3)}) {
     const test::NaiveHierarchy small = test::naive_hierarchy(mesh, 4, 0.6f);
-    expect_safe(small.hierarchy, Signatures(small.hierarchy), Signatures::most, true);
+    expect_safe(small.hierarchy, find_signatures(small.hierarchy), Signatures::most, true);
   }
 }
 
@@ -83,13 +83,13 @@ TEST(Signatures, AreUnitedWhereACellHasTooMany) {
   const test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(64, 32), 4, 0.6f);
   for (const std::size_t most : {2, 3, 5, 9}) {
     SCOPED_TRACE(most);
-    expect_safe(small.hierarchy, Signatures(small.hierarchy, most), most, false);
+    expect_safe(small.hierarchy, find_signatures(small.hierarchy, most), most, false);
   }
 }
 
 TEST(Signatures, OfOneCell) {
   const test::NaiveHierarchy one = test::naive_hierarchy(test::sphere_mesh(1), 0, 0.6f);
-  const Signatures signatures(one.hierarchy);
+  const Signatures signatures = find_signatures(one.hierarchy);
   EXPECT_EQ(signatures.of(CellId(0)).size(), 1u);
   EXPECT_TRUE(signatures.places(CellId(0)).empty());
   EXPECT_TRUE(signatures.users(0).parents.empty());

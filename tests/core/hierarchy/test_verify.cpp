@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/spatial/mesh_distance.h"
@@ -264,6 +265,25 @@ TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
     EXPECT_FALSE(check->detail.empty());
     EXPECT_FALSE(report.valid());
   }
+}
+
+TEST(Verify, ChecksSignaturesWhereThereAreSome) {
+  NaiveHierarchy model = test::naive_hierarchy(test::bumpy_sphere(4), finest, sigma0);
+  EXPECT_EQ(verify_hierarchy(model.attach()).find("signatures"), nullptr);
+  const Signatures::Table whole = find_signatures(model.hierarchy).table();
+  const auto passes = [&](const auto& change) {
+    Signatures::Table table = whole;
+    change(table);
+    EXPECT_EQ(Signatures::fault(model.hierarchy, table), nullptr);
+    model.hierarchy.signatures = std::make_shared<const Signatures>(model.hierarchy, std::move(table));
+    const VerifyReport report = verify_hierarchy(model.hierarchy);
+    EXPECT_EQ(report.valid(), report.find("signatures")->passed);
+    return report.find("signatures")->passed;
+  };
+  EXPECT_TRUE(passes([](auto&) {}));
+  // Another place: copies differ, or none is that of all users.
+  EXPECT_FALSE(passes([](auto& t) { t.places.back() = t.places.back() == 1 ? 2 : 1; }));
+  EXPECT_FALSE(passes([](auto& t) { t.places.back() = 0; }));
 }
 
 TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {

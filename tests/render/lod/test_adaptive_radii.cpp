@@ -8,9 +8,11 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "render/lod/morph.h"
 #include "render/lod/radii.h"
 #include "render/lod/selection.h"
+#include "render/lod/verify_radii.h"
 #include "tests/expect_error.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
@@ -57,34 +59,33 @@ double wanted(float error, const RadiiConfig& config) {
 
 TEST(AdaptiveRadii, KeepTheConstraintAndServeTheErrorsAround) {
   const Hierarchy& h = rough();
-  const Signatures signatures(h);
+  EXPECT_TRUE(verify_radii(h).passed) << verify_radii(h).detail;
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
-    for (const float pixel_error : {0.1f, 1.0f, 4.0f, 64.0f})
-      for (const float delta : {0.0f, 0.3f}) {
-        RadiiConfig config = adaptive(pixel_error, metric);
-        config.delta = delta;
-        const Radii radii = make_radii(h, config);
-        EXPECT_TRUE(radii.admissible);
-        ASSERT_EQ(radii.by_cell.size(), h.cells.size());
-        for (int level = 1; level <= h.finest(); ++level) {
-          const double band = (double{config.beta} + 3 * double{delta}) * cell_size(level);
-          for (std::uint32_t s = signatures.first(level); s < signatures.first(level + 1); ++s)
-            for (const CellId p : signatures.users(s).parents) {
-              for (const CellId d : signatures.users(s).cells) {
-                const double h_dp = largest_distance(metric, h.cells[d].bounds, h.cells[p].bounds);
-                ASSERT_GE(radii.by_cell[p], radii.by_cell[d] + (h_dp + band) * (1 - 1e-6)) << level;
-              }
-              for (const CellId n : signatures.users(s).parents)
-                ASSERT_GE(radii.by_cell[p], wanted(h.cells[n].error, config) * (1 - 1e-6));
-            }
-        }
-      }
+    for (const float pixel_error : {0.1f, 1.0f, 4.0f, 64.0f}) {
+      RadiiConfig config = adaptive(pixel_error, metric);
+      config.delta = 0.3f;
+      Radii radii = make_radii(h, config);
+      EXPECT_TRUE(radii.admissible);
+      ASSERT_EQ(radii.by_cell.size(), h.cells.size());
+      EXPECT_TRUE(verify_radii(h, radii, config).passed);
+      radii.by_cell[h.levels[2].first_cell] *= 0.9f;
+      EXPECT_FALSE(verify_radii(h, radii, config).passed);
+      EXPECT_NE(verify_radii(h, radii, config).detail.find("radius of cell"), std::string::npos);
+    }
+}
+
+TEST(AdaptiveRadii, BreakTheConstraintWhereTheyAreAskedTo) {
+  RadiiConfig config = adaptive(64);
+  config.constraint = 0.5f;
+  const Radii radii = make_radii(rough(), config);
+  EXPECT_FALSE(radii.admissible);
+  EXPECT_FALSE(verify_radii(rough(), radii, config).passed);
 }
 
 // A cell by itself asks for no more than its own error; nothing is raised without a reason.
 TEST(AdaptiveRadii, AreNoLargerThanTheyMust) {
   const Hierarchy& h = rough();
-  const auto signatures = std::make_shared<const Signatures>(h);
+  const auto signatures = signatures_of(h);
   const RadiiConfig config = adaptive(1);
   const Radii radii = make_radii(h, config, signatures);
   std::vector<double> least(h.cells.size(), 0);

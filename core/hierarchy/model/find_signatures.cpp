@@ -1,0 +1,198 @@
+#include "core/hierarchy/model/find_signatures.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+
+#include "core/base/key_numbers.h"
+
+namespace lodestone {
+namespace {
+
+using Cells = std::vector<CellId>;
+
+struct CellsHash {
+  std::size_t operator()(const Cells& cells) const {
+    std::uint64_t hash = cells.size();
+    for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
+    return hash;
+  }
+};
+
+using Position = std::array<std::uint32_t, 3>;  // bits; -0 is 0
+
+struct PositionHash {
+  std::uint64_t operator()(const Position& p) const {
+    constexpr std::uint64_t odd = 0x9e37'79b9'7f4a'7c15u;
+    std::uint64_t hash = (p[0] | std::uint64_t{p[1]} << 32) * odd;
+    hash ^= hash >> 32;
+    return (hash ^ p[2]) * odd;
+  }
+};
+
+Position bits_of(Vec3f p) {
+  const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v == 0 ? 0.0f : v); };
+  return {bits(p.x), bits(p.y), bits(p.z)};
+}
+
+// Distinct sets of cells by number: some may be united with others.
+struct LevelSets {
+  std::unordered_map<Cells, std::uint32_t, CellsHash> number_of;
+  std::vector<Cells> sets;
+  std::vector<std::uint32_t> joined;  // by set: the one that it became a part of, or itself
+
+  std::uint32_t number(const Cells& cells) {
+    const auto [found, is_new] = number_of.try_emplace(cells, static_cast<std::uint32_t>(sets.size()));
+    if (is_new) joined.push_back(found->second), sets.push_back(cells);
+    return found->second;
+  }
+  std::uint32_t final_of(std::uint32_t set) const {
+    while (joined[set] != set) set = joined[set];
+    return set;
+  }
+  // All of them become their union, in every cell.
+  void unite(std::span<const std::uint32_t> some) {
+    Cells all;
+    for (const std::uint32_t set : some) all.insert(all.end(), sets[set].begin(), sets[set].end());
+    std::ranges::sort(all);
+    all.erase(std::ranges::unique(all).begin(), all.end());
+    // The union may be a set that exists, and then that one may have become a part of another.
+    const std::uint32_t to = final_of(number(all));
+    for (const std::uint32_t set : some)
+      if (const std::uint32_t from = final_of(set); from != to) joined[from] = to;
+  }
+};
+
+// Unites sets of cells that have `most` of two cells and more, until none has: with that of the cell alone, which stays
+// alone, they are `most` then. Every union takes away one at least.
+void limit(LevelSets& level, std::vector<std::vector<std::uint32_t>>& of_cell, std::size_t most) {
+  for (bool united = true; united;) {
+    united = false;
+    for (std::vector<std::uint32_t>& sets : of_cell) {
+      for (std::uint32_t& set : sets) set = level.final_of(set);
+      std::ranges::sort(sets);
+      sets.erase(std::ranges::unique(sets).begin(), sets.end());
+      if (sets.size() < most) continue;
+      const std::size_t excess = sets.size() - most + 2;
+      level.unite(std::span(sets).last(std::min(excess, sets.size())));
+      united = true;
+    }
+  }
+}
+
+// The users of every position of a level: `of[number]` cells from `first`, ascending.
+struct Uses {
+  std::vector<std::uint32_t> number;  // by copy of a shared vertex: of its position
+  std::vector<std::size_t> first;     // by number, and the end
+  std::vector<CellId> cells;
+
+  [[nodiscard]] std::span<const CellId> of(std::uint32_t n) const {
+    return std::span(cells).subspan(first[n], first[n + 1] - first[n]);
+  }
+};
+
+Uses uses_of(const Level& level, std::span<const std::vector<Vec3f>> positions) {
+  Uses uses;
+  KeyNumbers<Position, PositionHash> numbers;
+  numbers.clear(std::transform_reduce(positions.begin(), positions.end(), std::size_t{0}, std::plus{},
+                                      [](const auto& of_cell) { return of_cell.size(); }) /
+                2);
+  for (const std::vector<Vec3f>& of_cell : positions)
+    for (const Vec3f p : of_cell) uses.number.push_back(numbers.number(bits_of(p)));
+  std::vector<std::uint32_t> last(numbers.size(), no_cell);
+  uses.first.assign(numbers.size() + 1, 0);
+  const auto for_uses = [&](const auto& visit) {  // of a position by a cell, once
+    std::ranges::fill(last, std::uint32_t{no_cell});
+    auto number = uses.number.begin();
+    for (std::size_t rank = 0; rank < positions.size(); ++rank)
+      for (std::size_t k = 0; k < positions[rank].size(); ++k, ++number)
+        if (std::exchange(last[*number], static_cast<std::uint32_t>(rank)) != rank)
+          visit(*number, level.id_of(CellRank(rank)));
+  };
+  for_uses([&](std::uint32_t n, CellId) { ++uses.first[n + 1]; });
+  std::partial_sum(uses.first.begin(), uses.first.end(), uses.first.begin());
+  uses.cells.resize(uses.first.back());
+  std::vector<std::size_t> next(uses.first.begin(), uses.first.end() - 1);
+  for_uses([&](std::uint32_t n, CellId cell) { uses.cells[next[n]++] = cell; });
+  return uses;
+}
+
+}  // namespace
+
+SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most) : tables_(tables), most_(most) {
+  assert(most >= 2 && most <= Signatures::most);
+}
+
+void SignatureFinder::begin_level() { positions_.assign(level().cell_count, {}); }
+
+void SignatureFinder::add(CellId cell, std::span<const Vec3f> positions) {
+  positions_[level().rank_of(cell)].assign(positions.begin(), positions.end());
+}
+
+void SignatureFinder::end_level() {
+  const Level& level = this->level();
+  const Uses uses = uses_of(level, positions_);
+  LevelSets found;
+  std::vector<std::vector<std::uint32_t>> of_cell(level.cell_count);  // its sets of two cells and more
+  constexpr std::uint32_t alone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> set_of(uses.first.size() - 1, alone);  // by number of a position
+  for (std::uint32_t n = 0; n < set_of.size(); ++n) {
+    const std::span<const CellId> cells = uses.of(n);
+    if (cells.size() == 1) continue;
+    set_of[n] = found.number({cells.begin(), cells.end()});
+    for (const CellId cell : cells)
+      if (auto& sets = of_cell[level.rank_of(cell)]; sets.empty() || sets.back() != set_of[n])
+        sets.push_back(set_of[n]);
+  }
+  limit(found, of_cell, most_);
+
+  // Numbered in lexicographic order.
+  std::vector<std::uint32_t> order;
+  for (const std::vector<std::uint32_t>& sets : of_cell) order.insert(order.end(), sets.begin(), sets.end());
+  std::ranges::sort(order);
+  order.erase(std::ranges::unique(order).begin(), order.end());
+  std::ranges::sort(order, {}, [&](std::uint32_t set) -> const Cells& { return found.sets[set]; });
+  std::vector<std::uint32_t> rank_of(found.sets.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    rank_of[order[k]] = k;
+    const Cells& cells = found.sets[order[k]];
+    table_.sizes.push_back(static_cast<std::uint32_t>(cells.size()));
+    table_.cells.insert(table_.cells.end(), cells.begin(), cells.end());
+  }
+  auto number = uses.number.begin();
+  for (std::size_t rank = 0; rank < positions_.size(); ++rank) {
+    std::vector<std::uint32_t>& sets = of_cell[rank];
+    for (std::uint32_t& set : sets) set = rank_of[set];
+    std::ranges::sort(sets);
+    for (std::size_t k = 0; k < positions_[rank].size(); ++k) {
+      const std::uint32_t set = set_of[*number++];
+      const auto place = [&] { return std::ranges::lower_bound(sets, rank_of[found.final_of(set)]) - sets.begin(); };
+      table_.places.push_back(set == alone ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + place()));
+    }
+  }
+  table_.sets.push_back(static_cast<std::uint32_t>(order.size()));
+  positions_.clear();
+}
+
+Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {
+  SignatureFinder finder(hierarchy, most);
+  for (const Level& level : hierarchy.levels) {
+    finder.begin_level();
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+      const Cell& cell = hierarchy.cells[c];
+      finder.add(c, cell.positions.subspan(cell.first_shared()));
+    }
+    finder.end_level();
+  }
+  return std::move(finder).finish();
+}
+
+std::shared_ptr<const Signatures> signatures_of(const Hierarchy& hierarchy) {
+  return hierarchy.signatures ? hierarchy.signatures : std::make_shared<const Signatures>(find_signatures(hierarchy));
+}
+
+}  // namespace lodestone

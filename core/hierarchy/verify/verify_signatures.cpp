@@ -1,0 +1,56 @@
+// Signatures against the definition: sorted copies of shared vertices, one position after the other.
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+#include "core/hierarchy/model/signatures.h"
+#include "core/hierarchy/verify/verify_checks.h"
+
+namespace lodestone::verify {
+namespace {
+
+struct Copy {
+  std::array<float, 3> position;
+  CellId cell;
+  VertexId vertex;
+  std::uint32_t signature = 0;
+};
+
+std::vector<Copy> sorted_copies(const Hierarchy& hierarchy, const Level& level) {
+  const Signatures& signatures = *hierarchy.signatures;
+  std::vector<Copy> copies;
+  for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+    const Cell& cell = hierarchy.cells[c];
+    for (std::size_t k = 0; k < cell.shared_ids.size(); ++k) {
+      const Vec3f p = cell.positions[cell.first_shared() + k];
+      copies.push_back(
+          {{p.x, p.y, p.z}, c, VertexId(cell.first_shared() + k), signatures.of(c)[signatures.places(c)[k]]});
+    }
+  }
+  std::sort(copies.begin(), copies.end(), [](const Copy& a, const Copy& b) {
+    return std::tie(a.position, a.cell, a.vertex) < std::tie(b.position, b.cell, b.vertex);
+  });
+  return copies;
+}
+
+}  // namespace
+
+void check_signatures(const Hierarchy& hierarchy, Finding& signatures) {
+  for (int l = 0; l <= hierarchy.finest(); ++l) {
+    const std::vector<Copy> copies = sorted_copies(hierarchy, hierarchy.levels[static_cast<std::size_t>(l)]);
+    for (auto first = copies.begin(); first != copies.end();) {
+      const auto last = std::find_if(first, copies.end(), [&](const Copy& c) { return c.position != first->position; });
+      const auto where = [&] { return place(l, first->cell, first->vertex); };
+      const std::span cells = hierarchy.signatures->users(first->signature).cells;
+      signatures.require(std::all_of(first, last, [&](const Copy& c) { return c.signature == first->signature; }),
+                         [&] { return where() + ": copies with different signatures"; });
+      signatures.require(
+          std::all_of(first, last,
+                      [&](const Copy& c) { return std::binary_search(cells.begin(), cells.end(), c.cell); }),
+          [&] { return where() + ": used by a cell that its signature has not"; });
+      first = last;
+    }
+  }
+}
+
+}  // namespace lodestone::verify
