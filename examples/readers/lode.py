@@ -21,7 +21,7 @@ LEVEL = numpy.dtype([
 CELL = numpy.dtype([
     ("code", "<u8"), ("offset", "<u8"), ("checksum", "<u8"), ("parent", U), ("first_child", U), ("child_count", U),
     ("vertices", U), ("shared", U), ("triangles", U), ("lo", F, 3), ("hi", F, 3), ("max_displacement", F), ("error", F)])
-COMPRESSED, UV, COLOURS, MATERIALS = 1, 4, 8, 16  # features that concern the payload
+COMPRESSED, UV, COLOURS, MATERIALS, SHORT_INDICES = 1, 4, 8, 16, 4096  # features that concern the payload
 NO_PARENT = 0xffffffff
 
 
@@ -47,11 +47,13 @@ class Lode:
         record, features = self.cells[index], self.header["features"]
         n = int(record["vertices"])
         arrays, at = {}, int(record["offset"])
+        short = bool(features & SHORT_INDICES)
+        parents = ("parents", "<u2" if short else U, 1, n * (record["parent"] != NO_PARENT))
         for name, kind, width, count in (
-                ("positions", F, 3, n), ("normals", "<i2", 2, n), ("parents", U, 1, n * (record["parent"] != NO_PARENT)),
+                ("positions", F, 3, n), ("normals", "<i2", 2, n), *([] if short else [parents]),
                 ("shared_ids", U, 1, record["shared"]), ("uv", F, 2, n * bool(features & UV)),
                 ("colours", "u1", 4, n * bool(features & COLOURS)), ("materials", U, 1, n * bool(features & MATERIALS)),
-                ("triangles", U, 3, record["triangles"])):
+                *([parents] if short else []), ("triangles", "<u2" if short else U, 3, record["triangles"])):
             values = self._array(at, kind, int(count) * width)
             arrays[name] = values.reshape(-1, width) if width > 1 else values
             at += values.nbytes

@@ -30,6 +30,7 @@ void set_camera(Vec3f eye, double aspect) {
 void draw(const Hierarchy& model, const Radii& radii, Vec3f eye) {
   static Selection selection;
   static std::vector<MorphedVertex> vertices;
+  static std::vector<Triangle> widened;  // of cells with short indices
   select_cells(model, radii, eye, {}, selection);
   const MorphContext context{&model, &radii, Blend::smoothstep, eye};
   for (const SelectedCell& selected : selection.cells) {
@@ -38,8 +39,8 @@ void draw(const Hierarchy& model, const Radii& radii, Vec3f eye) {
     morph_cell_vertices(context, selected.cell, vertices);
     glVertexPointer(3, GL_FLOAT, sizeof(MorphedVertex), &vertices[0].position);
     glNormalPointer(GL_FLOAT, sizeof(MorphedVertex), &vertices[0].normal);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * cell.triangles.size()), GL_UNSIGNED_INT,
-                   cell.triangles.data());
+    const auto triangles = cell.triangles.widened(widened);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles.size()), GL_UNSIGNED_INT, triangles.data());
   }
 }
 

@@ -14,6 +14,13 @@ void add(std::uint64_t& sum, const Values& values) {
   sum = sum * 0x9e37'79b9'7f4a'7c15ull + checksum(std::as_bytes(std::span(values)));
 }
 
+// The same for short indices as for others.
+template <class T>
+void add(std::uint64_t& sum, const IndexView<T>& indices) {
+  std::vector<T> room;
+  add(sum, indices.widened(room));
+}
+
 }  // namespace
 
 std::string to_hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }

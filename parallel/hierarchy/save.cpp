@@ -37,7 +37,8 @@ class LodeSaver {
         for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c)
           source_.visit(c, [&](const Cell& cell) {
             checksums_[c] = encode_payload(
-                cell, std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
+                cell, plain_.short_indices,
+                std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
             finder_.add(c, cell.positions.subspan(cell.first_shared()));
           });
         file_.write_at(offset(chunk.first_cell), bytes);

@@ -27,7 +27,7 @@ std::span<std::byte> writable_bytes(std::vector<T>& items) {
 PayloadCounts counts_of(const StoredCell& cell, bool has_parents, const AttributeSet& attributes) {
   AttributeSet stored = attributes;
   stored.wedges = false;
-  return {cell.vertices, cell.shared, cell.triangles, has_parents, stored};
+  return {cell.vertices, cell.shared, cell.triangles, has_parents, false, stored};
 }
 
 template <class AnyCell, class Visit>

@@ -126,6 +126,15 @@ auto array_of(std::span<const Value> Cell::*values) {
   return [values](const py::object& self) { return view_of(self.cast<const CellOf&>().cell->*values, self); };
 }
 
+// Copies, as short indices have another type.
+template <class Value>
+auto array_of(IndexView<Value> Cell::*values) {
+  return [values](const CellOf& of) {
+    const IndexView<Value>& view = of.cell->*values;
+    return to_array(std::vector<Value>(view.begin(), view.end()));
+  };
+}
+
 py::object parent_of(const CellOf& of) {
   return of.cell->parent == no_cell ? py::object(py::none()) : py::int_(std::uint32_t{of.cell->parent});
 }

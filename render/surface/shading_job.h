@@ -36,7 +36,7 @@ struct DrawnCell {
   // Normals likewise, and the vertices' parents.
   const PackedNormal* normals = nullptr;
   const PackedNormal* coarser_normals = nullptr;
-  const std::uint32_t* parents = nullptr;
+  Indices parents;
   float* lambdas = nullptr;  // of the vertices where it morphs, as the vertex stage has left them
 };
 

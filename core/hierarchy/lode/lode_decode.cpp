@@ -55,6 +55,7 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
       "the simplifier is out of range");
   say(h.simplifier >> 16 <= 1, "the placement is out of range");
   say(!(h.features & lode_compressed) || h.lattice_bits != 0, "the file is compressed, but has no lattice");
+  say(!(h.features & lode_compressed) || !(h.features & lode_short_indices), "compressed indices cannot be short");
   say(h.level_count >= 1 && h.level_count <= max_level + 1, "the number of levels is out of range");
   say(h.cell_count >= 1 && h.cell_count < no_cell, "the number of cells is out of range");
   const std::uint64_t tables = sizeof(LodeHeader) + h.level_count * sizeof(LodeLevel) + h.cell_count * sizeof(LodeCell);
@@ -108,11 +109,24 @@ void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const L
   require(cells == header.cell_count, file, "level table", "the levels do not cover the cells");
 }
 
-// Spans of a cell's arrays, one after the other from `at`.
+template <class T>
+void place(std::span<const T>& items, const std::byte* at, std::size_t count, bool /*short_indices*/) {
+  items = {reinterpret_cast<const T*>(at), count};
+}
+template <class T>
+void place(IndexView<T>& items, const std::byte* at, std::size_t count, bool short_indices) {
+  if (short_indices) {
+    items = IndexView<T>(std::span(reinterpret_cast<const std::uint16_t*>(at), IndexView<T>::words * count));
+  } else {
+    items = std::span(reinterpret_cast<const T*>(at), count);
+  }
+}
+
+// Views of a cell's arrays, one after the other from `at`.
 void place_arrays(Cell& cell, const PayloadCounts& counts, const std::byte* at) {
-  visit_arrays(cell, counts, [&]<class T>(std::span<const T>& items, std::size_t count) {
-    items = {reinterpret_cast<const T*>(at), count};
-    at += items.size_bytes();
+  visit_arrays(cell, counts, [&](auto& items, std::size_t count) {
+    place(items, at, count, counts.short_indices);
+    at += array_bytes(items, count, counts.short_indices);
   });
 }
 
@@ -169,7 +183,11 @@ std::span<const std::byte> LodeReader::payload(CellId cell) const {
 void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void> storage) {
   const auto say = [&](bool holds, const char* what) { require(holds, file_, "cell table", what); };
   const auto counts = [&](const LodeCell& r, CellId c) {
-    return PayloadCounts{r.vertices, r.shared, r.triangles, c >= hierarchy_.levels.front().cell_count,
+    return PayloadCounts{r.vertices,
+                         r.shared,
+                         r.triangles,
+                         c >= hierarchy_.levels.front().cell_count,
+                         (header.features & lode_short_indices) != 0,
                          hierarchy_.attributes};
   };
   payload_end_ = header.payload_offset + header.payload_bytes;
@@ -185,6 +203,8 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
     say(form_ == LodeForm::plain ? end - r.offset == lode_aligned(plain) : plain <= max_decompressed(end - r.offset),
         "the size of a payload does not match its counts");
     say(r.shared <= r.vertices, "a cell has more shared vertices than vertices");
+    say(!(header.features & lode_short_indices) || r.vertices <= most_short,
+        "a cell has too many vertices for short indices");
     unpacked += plain;
   }
   hierarchy_.storage = std::move(storage);

@@ -20,22 +20,46 @@ std::byte* put(std::byte* to, std::span<const T> items) {
   return to + items.size_bytes();
 }
 
-std::uint16_t features_of(const Hierarchy& hierarchy, LodeForm form) {
+// Indices with 16 bits, as values that fit.
+template <typename T>
+std::byte* put_short(std::byte* to, const IndexView<T>& items) {
+  if (items.is_short()) return put(to, items.short_indices());
+  constexpr std::size_t words = IndexView<T>::words;
+  const auto* from = reinterpret_cast<const std::uint32_t*>(items.wide().data());
+  for (std::size_t i = 0; i < words * items.size(); ++i, to += sizeof(std::uint16_t)) {
+    const auto index = static_cast<std::uint16_t>(from[i]);
+    std::memcpy(to, &index, sizeof(index));
+  }
+  return to;
+}
+
+template <typename T>
+std::byte* put(std::byte* to, const IndexView<T>& items, bool short_indices) {
+  if (short_indices) return put_short(to, items);
+  std::vector<T> room;
+  return put(to, items.widened(room));
+}
+template <typename T>
+std::byte* put(std::byte* to, std::span<const T> items, bool /*short_indices*/) {
+  return put(to, items);
+}
+
+std::uint16_t features_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   const AttributeSet& a = hierarchy.attributes;
   const Provenance& p = hierarchy.provenance;
   return static_cast<std::uint16_t>(
-      (form == LodeForm::compressed ? lode_compressed : 0) | (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
-      (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
-      (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
-      (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) | (has_surfaces(hierarchy) ? lode_surfaces : 0) |
-      (has_named_simplifier(hierarchy) ? lode_named_simplifier : 0) | (hierarchy.transform.up == Up{} ? 0 : lode_up) |
-      lode_signatures);
+      (layout.form == LodeForm::compressed ? lode_compressed : 0) | (layout.short_indices ? lode_short_indices : 0) |
+      (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) | (a.colours ? lode_colours : 0) |
+      (a.materials ? lode_materials : 0) | (p.measured_errors ? lode_measured_errors : 0) |
+      (p.refined ? lode_refined : 0) | (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) |
+      (has_surfaces(hierarchy) ? lode_surfaces : 0) | (has_named_simplifier(hierarchy) ? lode_named_simplifier : 0) |
+      (hierarchy.transform.up == Up{} ? 0 : lode_up) | lode_signatures);
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   LodeHeader h;
   h.magic = lode_magic;
-  h.features = features_of(hierarchy, layout.form);
+  h.features = features_of(hierarchy, layout);
   h.lattice_bits = static_cast<std::uint8_t>(hierarchy.transform.lattice.bits);
   if (const Up up = hierarchy.transform.up; up != Up{})
     h.up = static_cast<std::uint8_t>(static_cast<std::uint8_t>(up.axis) | (up.guessed ? lode_guessed_up : 0));
@@ -89,9 +113,7 @@ LodeCell record_of(const Cell& cell, const PayloadCounts& n, std::uint64_t offse
 }
 
 template <class SizeOf>
-LodeLayout plan(const Hierarchy& hierarchy, LodeForm form, const SizeOf& payload_size) {
-  LodeLayout layout;
-  layout.form = form;
+LodeLayout plan(const Hierarchy& hierarchy, LodeLayout layout, const SizeOf& payload_size) {
   layout.table_bytes = lode_aligned(sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel) +
                                     hierarchy.cells.size() * sizeof(LodeCell));
   layout.cell_offset.reserve(hierarchy.cells.size() + 1);
@@ -116,11 +138,18 @@ std::vector<PayloadCounts> counts_of_cells(const Hierarchy& hierarchy) {
 LodeLayout plan_lode(const Hierarchy& hierarchy) { return plan_lode(hierarchy, counts_of_cells(hierarchy)); }
 
 LodeLayout plan_lode(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts) {
-  return plan(hierarchy, LodeForm::plain, [&](std::size_t c) { return lode_aligned(plain_bytes(counts[c])); });
+  LodeLayout layout;
+  layout.short_indices = std::ranges::all_of(counts, [](const PayloadCounts& n) { return n.vertices <= most_short; });
+  return plan(hierarchy, layout, [&](std::size_t c) {
+    PayloadCounts n = counts[c];
+    n.short_indices = layout.short_indices;
+    return lode_aligned(plain_bytes(n));
+  });
 }
 
 LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes) {
-  return plan(hierarchy, LodeForm::compressed, [&](std::size_t c) { return payload_sizes[c]; });
+  return plan(hierarchy, {.form = LodeForm::compressed, .cell_offset = {}},
+              [&](std::size_t c) { return payload_sizes[c]; });
 }
 
 std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes) {
@@ -134,11 +163,13 @@ std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk
   return chunks;
 }
 
-std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes) {
+std::uint64_t encode_payload(const Cell& cell, bool short_indices, std::span<std::byte> bytes) {
   assert(cell.normals.size() == cell.positions.size());
   assert(cell.parents.size() == (cell.parent == no_cell ? 0 : cell.positions.size()));
   std::byte* to = bytes.data();
-  visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { to = put(to, items); });
+  PayloadCounts counts = counts_of(cell);
+  counts.short_indices = short_indices;
+  visit_arrays(cell, counts, [&](const auto& items, std::size_t) { to = put(to, items, short_indices); });
   std::fill(to, bytes.data() + bytes.size(), std::byte{0});
   return checksum(bytes);
 }
@@ -156,7 +187,7 @@ void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, Lod
   bytes.resize(layout.cell_offset[chunk.end_cell] - start);
   for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c)
     checksums[c] = encode_payload(
-        hierarchy.cells[c],
+        hierarchy.cells[c], layout.short_indices,
         std::span(bytes).subspan(layout.cell_offset[c] - start, layout.cell_offset[c + 1] - layout.cell_offset[c]));
 }
 

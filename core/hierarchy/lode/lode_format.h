@@ -5,7 +5,7 @@
 //   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ... | assets
 //
 // Cells go from coarse to fine, so that a reader (or a network) gets a whole coarse model first. A plain payload holds
-// positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
+// the arrays as the in-memory Cell has them (visit_arrays), then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
 // arrays as streams (core/hierarchy/lode/lode_payload.h), then zeros up to 16 bytes. Payloads follow each other, so
 // that each ends where the next begins. Assets are signatures, materials and textures with their copies
@@ -54,7 +54,8 @@ enum LodeFeatures : std::uint16_t {
   lode_up = 512,                 // the header says which axis is up; without it z is, as a guess
   lode_named_simplifier = 1024,  // the assets begin with its name
   lode_signatures = 2048,        // the assets have signatures; files of older programs have none
-  lode_known_features = 4095,
+  lode_short_indices = 4096,     // PayloadCounts::short_indices: plain files whose cells have at most 65,536 vertices
+  lode_known_features = 8191,
 };
 
 inline constexpr std::uint8_t lode_guessed_up = 128;
@@ -108,6 +109,7 @@ static_assert(sizeof(LodeCell) == 3 * 8 + 6 * 4 + 6 * 4 + 2 * 4);
 // Offsets in the file.
 struct LodeLayout {
   LodeForm form = LodeForm::plain;
+  bool short_indices = false;              // plain, and no cell has more than most_short vertices
   std::uint64_t table_bytes = 0;           // header, levels, cells and padding: the offset of the first payload
   std::vector<std::uint64_t> cell_offset;  // one per cell, and one more for the assets
   [[nodiscard]] std::uint64_t payload_end() const { return cell_offset.back(); }
@@ -119,7 +121,7 @@ struct LodeLayout {
 [[nodiscard]] LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes);
 
 // Writes the plain payload of one cell, with padding, into the bytes that the layout has for it. Returns its checksum.
-std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes);
+std::uint64_t encode_payload(const Cell& cell, bool short_indices, std::span<std::byte> bytes);
 // Appends the compressed payload with padding. Returns its checksum. Throws InputError when a vertex is off the
 // lattice.
 std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& bytes);

@@ -72,6 +72,12 @@ void encode(std::span<const Triangle> triangles, Lattice, std::vector<std::byte>
   out.resize(before + written);
 }
 
+template <class T>
+void encode(const IndexView<T>& items, Lattice lattice, std::vector<std::byte>& out) {
+  std::vector<T> room;
+  encode(items.widened(room), lattice, out);
+}
+
 // Each returns true if the stream has exactly `count` elements.
 bool decode_words(std::span<const std::byte> stream, std::byte* to, std::size_t count, std::size_t bytes) {
   return meshopt_decodeVertexBuffer(to, count, bytes, reinterpret_cast<const unsigned char*>(stream.data()),
@@ -119,7 +125,9 @@ void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>&
   StreamSizes sizes{};
   out.resize(start + sizeof(sizes));
   std::size_t array = 0;
-  visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) {
+  PayloadCounts counts = counts_of(cell);
+  counts.short_indices = false;
+  visit_arrays(cell, counts, [&](const auto& items, std::size_t) {
     const std::size_t before = out.size();
     if (!items.empty()) encode(items, lattice, out);
     sizes[array++] = static_cast<std::uint32_t>(out.size() - before);
@@ -129,7 +137,7 @@ void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>&
 
 const char* decompress_payload(std::span<const std::byte> bytes, const PayloadCounts& counts, Lattice lattice,
                                std::span<std::byte> out) {
-  assert(out.size() == plain_bytes(counts));
+  assert(out.size() == plain_bytes(counts) && !counts.short_indices);
   StreamSizes sizes{};
   if (bytes.size() < sizeof(sizes)) return "the payload ends inside its table of sizes";
   std::memcpy(sizes.data(), bytes.data(), sizeof(sizes));
@@ -138,7 +146,8 @@ const char* decompress_payload(std::span<const std::byte> bytes, const PayloadCo
   std::size_t array = 0;
   const char* fault = nullptr;
   const Cell types;
-  visit_arrays(types, counts, [&]<class T>(std::span<const T>, std::size_t count) {
+  visit_arrays(types, counts, [&]<class Array>(const Array&, std::size_t count) {
+    using T = std::remove_cvref_t<decltype(Array().front())>;
     const std::uint32_t size = sizes[array++];
     if (fault) return;
     if (size > bytes.size()) {

@@ -13,7 +13,8 @@ namespace lodestone {
 // Determines the lengths of a payload's arrays.
 struct PayloadCounts {
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
-  bool has_parents = false;  // all cells but the root
+  bool has_parents = false;    // all cells but the root
+  bool short_indices = false;  // parents and triangles have indices of 16 bits
   AttributeSet attributes;
 };
 
@@ -23,30 +24,48 @@ struct PayloadCounts {
           static_cast<std::uint32_t>(cell.shared_ids.size()),
           static_cast<std::uint32_t>(cell.triangles.size()),
           cell.parent != no_cell,
+          cell.triangles.is_short(),
           {false, !a.uv.empty(), !a.colours.empty(), !a.materials.empty()}};
 }
 
-// Calls visit(array, length) for the arrays of a cell (const or not) in file order. A new line here adds an array to
-// both forms of the file: its elements consist of 4-byte words (at most 256 bytes), and their type selects the codec of
-// compressed payloads (lode_payload.cpp). Such a file needs a new bit of LodeFeatures.
+// Calls visit(array, length) for the arrays of a cell (const or not) in file order: spans, or an IndexView, whose
+// elements are short or not. A new line here adds an array to both forms of the file: its elements consist of 4-byte
+// words (at most 256 bytes), and their type selects the codec of compressed payloads (lode_payload.cpp). Such a file
+// needs a new bit of LodeFeatures. Short indices come last, where nothing has to be aligned after them.
 template <class AnyCell, class Visit>
 void visit_arrays(AnyCell& cell, const PayloadCounts& n, const Visit& visit) {
+  const std::uint32_t parents = n.has_parents ? n.vertices : 0u;
   visit(cell.positions, n.vertices);
   visit(cell.normals, n.vertices);
-  visit(cell.parents, n.has_parents ? n.vertices : 0u);
+  if (!n.short_indices) visit(cell.parents, parents);
   visit(cell.shared_ids, n.shared);
   visit(cell.attributes.uv, n.attributes.uv ? n.vertices : 0u);
   visit(cell.attributes.colours, n.attributes.colours ? n.vertices : 0u);
   visit(cell.attributes.materials, n.attributes.materials ? n.vertices : 0u);
+  if (n.short_indices) visit(cell.parents, parents);
   visit(cell.triangles, n.triangles);
 }
 inline constexpr std::size_t payload_arrays = 8;
 
-// Bytes of the arrays as the in-memory Cell has them, without padding.
+// Most vertices of cells with short indices.
+inline constexpr std::uint32_t most_short = 1u << 16;
+
+// Bytes of an array of so many elements as the in-memory Cell has them.
+template <class T>
+[[nodiscard]] std::uint64_t array_bytes(std::span<const T>, std::uint64_t length, bool /*short_indices*/) {
+  return length * sizeof(T);
+}
+template <class T>
+[[nodiscard]] std::uint64_t array_bytes(const IndexView<T>&, std::uint64_t length, bool short_indices) {
+  return length * IndexView<T>::words * (short_indices ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
+}
+
+// Of all arrays, without padding.
 [[nodiscard]] inline std::uint64_t plain_bytes(const PayloadCounts& n) {
   std::uint64_t bytes = 0;
   const Cell types;
-  visit_arrays(types, n, [&](const auto& array, std::uint64_t length) { bytes += length * sizeof(*array.data()); });
+  visit_arrays(types, n,
+               [&](const auto& array, std::uint64_t length) { bytes += array_bytes(array, length, n.short_indices); });
   return bytes;
 }
 
@@ -62,7 +81,8 @@ inline constexpr std::size_t payload_arrays = 8;
 // Appends the compressed payload, without padding. Throws InputError when a position is not on the lattice.
 void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& out);
 
-// Writes the arrays to `out` as visit_arrays lists them, without padding; out.size() == plain_bytes(counts). Returns
+// Writes the arrays to `out` as visit_arrays lists them, without padding, indices with 32 bits; out.size() ==
+// plain_bytes(counts), counts without short indices. Returns
 // the fault of the bytes, nullptr if there is none; never accesses memory outside the two spans. Indices may still be
 // out of range: see payload_fault.
 [[nodiscard]] const char* decompress_payload(std::span<const std::byte> bytes, const PayloadCounts& counts,

@@ -15,6 +15,7 @@
 #include "core/base/id.h"
 #include "core/hierarchy/model/cell_code.h"
 #include "core/hierarchy/model/distance_metric.h"
+#include "core/hierarchy/model/index_view.h"
 #include "core/hierarchy/model/packed_normal.h"
 #include "core/math/box3.h"
 #include "core/mesh/indexed_mesh.h"
@@ -58,9 +59,9 @@ struct Cell {
   std::span<const Vec3f> positions;
   std::span<const PackedNormal> normals;  // one per position
   CellAttributes attributes;
-  std::span<const std::uint32_t> parents;  // one per position; empty at level 0
+  Indices parents;  // one per position; empty at level 0
   std::span<const std::uint32_t> shared_ids;
-  std::span<const Triangle> triangles;  // never degenerate
+  Triangles triangles;  // never degenerate
 
   [[nodiscard]] CellId end_child() const { return CellId(first_child + child_count); }
   [[nodiscard]] std::uint32_t first_shared() const {

@@ -83,7 +83,7 @@ class CellEncoder {
   }
 
   // `there`: vertices of `from` by vertex of this cell; empty: the same.
-  std::size_t add_colours(const Cell& from, std::span<const std::uint32_t> there) {
+  std::size_t add_colours(const Cell& from, const Indices& there) {
     const std::size_t at = add_values(
         [&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },
         GltfComponent::unsigned_short, "VEC4");

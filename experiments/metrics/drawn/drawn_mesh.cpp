@@ -8,7 +8,7 @@
 namespace lodestone {
 namespace {
 
-void append(std::span<const Vec3f> positions, std::span<const Triangle> triangles, DrawnMesh& to) {
+void append(std::span<const Vec3f> positions, const Triangles& triangles, DrawnMesh& to) {
   if (to.positions.size() + positions.size() > std::numeric_limits<std::uint32_t>::max())
     throw ResourceError("the drawn cells have more than 2^32 vertices; measure a coarser view");
   const auto first = static_cast<std::uint32_t>(to.positions.size());

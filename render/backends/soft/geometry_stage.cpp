@@ -110,7 +110,7 @@ void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
     drawn.coarser_positions = drawn.coarser->positions.data();
     drawn.coarser_normals = drawn.coarser->normals.data();
     if (hierarchy.attributes.uv) drawn.coarser_uv = drawn.coarser->attributes.uv.data();
-    drawn.parents = cell.parents.data();
+    drawn.parents = cell.parents;
     morphing_vertices_ += cell.positions.size();
   }
   constexpr std::size_t block = std::size_t{1} << numbers_per_block_bits;
@@ -169,7 +169,7 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
   const MaterialShare share = shares_[number];
   const bool one_side = pass.materials != nullptr && !pass.both_sides && effects::has_one_side(*drawn.model);
   const bool by_material = share != MaterialShare::all || one_side;
-  if (!by_material && pass.side == ShownSide::either) return cell.triangles;
+  if (!by_material && pass.side == ShownSide::either) return cell.triangles.widened(w.sifted);
   const auto is_back = [&](const Triangle& t) {
     return shows_back(drawn.model->*pass.projection, drawn, t, w.vertices);
   };

@@ -22,7 +22,7 @@ struct VertexJob {
   std::span<const Vec3f> positions;
   // Positions of the parent cell, and the index of each vertex's parent there; null for a cell that does not morph.
   const Vec3f* coarser = nullptr;
-  const std::uint32_t* parents = nullptr;
+  Indices parents;
   Vec3f viewpoint;
   DistanceMetric metric = DistanceMetric::euclidean;
   Blend blend = Blend::smoothstep;

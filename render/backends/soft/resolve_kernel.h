@@ -247,7 +247,7 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
         prefetch(cell.uv + v);
       }
       if (!cell.morphing) continue;
-      prefetch(cell.parents + v);
+      prefetch(cell.parents.address(v));
       prefetch(cell.lambdas + v);
     }
   }

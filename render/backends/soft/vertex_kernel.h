@@ -84,16 +84,17 @@ inline Float lambda_of(const VertexJob& job, const Points& w, Morph<Metric, B>) 
 }
 
 // The parents' places of `width` vertices.
-inline Points parent_points(const Vec3f* coarser, const std::uint32_t* parents) {
+// Of vertices first, first + 1, ...
+inline Points parent_points(const Vec3f* coarser, const Indices& parents, std::size_t first) {
   Vec3f p[width];
-  for (int k = 0; k < width; ++k) p[k] = coarser[parents[k]];
+  for (std::size_t k = 0; k < width; ++k) p[k] = coarser[parents[first + k]];
   return load_points(p);
 }
 
-inline Points morphed(Float lambda, const Points& w, const Vec3f* coarser, const std::uint32_t* parents) {
+inline Points morphed(Float lambda, const Points& w, const Vec3f* coarser, const Indices& parents, std::size_t first) {
   const Int own = lambda >= 1.0f, parent = lambda <= 0.0f;
   if (bits(own) == all_lanes) return w;
-  const Points p = parent_points(coarser, parents);
+  const Points p = parent_points(coarser, parents, first);
   const Float rest = 1.0f - lambda;
   const auto mix = [&](Float a, Float b) { return select(own, a, select(parent, b, lambda * a + rest * b)); };
   return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
@@ -123,8 +124,8 @@ inline Vertices snapped(const VertexJob& job, const Points& p) {
 // Transforms `width` vertices. All places must be readable and writable; a cell that does not move has no parents and
 // lambdas.
 template <class Motion>
-inline void transform_lanes(const VertexJob& job, const Vec3f* w, const std::uint32_t* parents, Motion motion,
-                            WindowVertex* out, float* lambdas) {
+inline void transform_lanes(const VertexJob& job, const Vec3f* w, const Indices& parents, std::size_t first,
+                            Motion motion, WindowVertex* out, float* lambdas) {
   Points p = load_points(w);
   if constexpr (!std::is_same_v<Motion, Still>) {
     Float lambda;
@@ -134,7 +135,7 @@ inline void transform_lanes(const VertexJob& job, const Vec3f* w, const std::uin
       lambda = lambda_of(job, p, motion);
       store(lambdas, lambda);
     }
-    p = morphed(lambda, p, job.coarser, parents);
+    p = morphed(lambda, p, job.coarser, parents, first);
   }
   store_vertices(reinterpret_cast<float*>(out), snapped(job, p));
 }
@@ -145,8 +146,7 @@ void transform_all(const VertexJob& job, Motion motion) {
   const std::size_t n = job.positions.size();
   std::size_t i = 0;
   for (; i + width <= n; i += width)
-    transform_lanes(job, &job.positions[i], moves ? job.parents + i : nullptr, motion, job.out + i,
-                    moves ? job.lambdas + i : nullptr);
+    transform_lanes(job, &job.positions[i], job.parents, i, motion, job.out + i, moves ? job.lambdas + i : nullptr);
   if (i == n) return;
   // The remaining vertices are padded with copies of the last one.
   Vec3f w[width];
@@ -159,7 +159,7 @@ void transform_all(const VertexJob& job, Motion motion) {
     parents[k] = moves ? job.parents[from] : 0;
     lambdas[k] = moves && job.has_lambdas ? job.lambdas[from] : 0;
   }
-  transform_lanes(job, w, parents, motion, out, lambdas);
+  transform_lanes(job, w, std::span<const std::uint32_t>(parents), 0, motion, out, lambdas);
   for (std::size_t k = i; k < n; ++k) {
     job.out[k] = out[k - i];
     if (moves) job.lambdas[k] = lambdas[k - i];

@@ -25,6 +25,13 @@ void copy(const GlBuffer& buffer, std::uint64_t first, std::span<const T> values
                        static_cast<GLsizeiptr>(values.size_bytes()), values.data());
 }
 
+template <class T>
+void copy(const GlBuffer& buffer, std::uint64_t first, const IndexView<T>& indices,
+          std::size_t item_bytes = sizeof(T)) {
+  std::vector<T> room;
+  copy(buffer, first, indices.widened(room), item_bytes);
+}
+
 // Bytes are read as numbers in [0, 1].
 void set_attribute(GLuint array, GLuint attribute, GLint count, GLenum type) {
   glEnableVertexArrayAttrib(array, attribute);
