@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/signatures.h"
 #include "render/camera/light_view.h"
 #include "render/frame/appearance.h"
 

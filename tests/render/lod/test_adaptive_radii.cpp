@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/signatures.h"
 #include "render/lod/morph.h"
 #include "render/lod/radii.h"
 #include "render/lod/selection.h"
