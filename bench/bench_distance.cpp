@@ -10,6 +10,8 @@
 #include "core/spatial/mesh_distance.h"
 #ifdef LODESTONE_HAS_EMBREE
 #include "bench/embree_points.h"
+#include "core/spatial/surface_samples.h"
+#include "core/spatial/triangle_bvh.h"
 #endif
 
 namespace lodestone {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/instruction_set.h"
 #include "core/math/orientation.h"
 #include "core/mesh/generate.h"
 #include "parallel/mesh/load.h"

@@ -10,7 +10,8 @@ if(LODESTONE_ASSERTIONS)
 endif()
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # The cache serves precompiled headers only when told so; these hold no time of day.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 # Contraction is off everywhere: the crack-free guarantee compares distances and positions bit for bit, and a fused

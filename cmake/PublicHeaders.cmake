@@ -1,16 +1,17 @@
 # A program elsewhere includes "lodestone/render/lod/morph.h" and the like: these headers and those that they
 # include, copied below build/PRESET/include with the prefix before every name. No other header is installed, and the
 # sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all,
-# lodestone/runtime.h those of the component runtime.
+# lodestone/runtime.h those of the component runtime. To keep them few, they declare in advance what they only point to,
+# and leave the steps of a kernel and the parts of a class to headers of their own.
 set(public_runtime
-  core/base/error.h
+  core/base/error_kinds.h
   core/hierarchy/lode/lode_file.h
   parallel/streaming/cell_stream.h
   render/lod/morph.h
   render/lod/resident_cells.h
   render/lod/selection.h)
 set(public_core
-  core/base/error.h
+  core/base/error_kinds.h
   core/base/version.h
   core/formats/mesh_file.h
   core/hierarchy/lode/lode_file.h

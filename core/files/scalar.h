@@ -9,11 +9,11 @@
 #include <limits>
 #include <utility>
 
+#include "core/files/scalar_type.h"
+
 namespace lodestone {
 
 static_assert(std::endian::native == std::endian::little, "the binary formats are decoded on little-endian machines");
-
-enum class ScalarType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 [[nodiscard]] constexpr std::size_t size_of(ScalarType type) {
   constexpr std::array<std::uint8_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};

@@ -17,6 +17,13 @@ struct Rgba8 {
   friend constexpr bool operator==(const Rgba8&, const Rgba8&) = default;
 };
 
+// The axes of a normal map in tangent space, as glTF has them (core/mesh/tangents.h).
+struct Tangent {
+  Vec3f along_u{1, 0, 0};  // of unit length, perpendicular to the normal: where u grows
+  float side = 1;          // -1 where texture coordinates are mirrored: cross(normal, along_u) * side is where v falls
+  friend bool operator==(const Tangent&, const Tangent&) = default;
+};
+
 // A wedge is a vertex as some of its triangles use it: a position and one value of each attribute. Along a seam a
 // vertex has several wedges. As positions of a RawMesh are not welded, wedges of a RawMesh may have equal values: files
 // that store every triangle's corners apart have three for each triangle.

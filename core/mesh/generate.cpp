@@ -57,7 +57,7 @@ float bend(float c) { return std::tan(c * (pi / 4)); }
 
 }  // namespace
 
-Shape shape(std::string_view name) {
+Shape shape_named(std::string_view name) {
   constexpr std::array<std::string_view, 5> names{"sphere", "terrain", "torus", "box", "pile"};
   for (std::size_t i = 0; i < names.size(); ++i)
     if (name == names[i]) return static_cast<Shape>(i);

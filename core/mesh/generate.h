@@ -15,7 +15,7 @@ enum class Shape : std::uint8_t {
   box,      // closed, axis-aligned [0,1]^3, a regular grid on each face: far faces on the far faces of the root cell
   pile,     // boxes of 12 triangles, turned and placed at random in a ball so that they overlap; porous
 };
-[[nodiscard]] Shape shape(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] Shape shape_named(std::string_view name);  // throws InputError listing the known names
 
 struct GenerateConfig {
   Shape shape = Shape::sphere;

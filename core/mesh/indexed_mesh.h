@@ -89,4 +89,10 @@ struct Repairs {
   friend bool operator==(const Repairs&, const Repairs&) = default;
 };
 
+// Counts of what splitting edges changed (core/mesh/refine.h).
+struct RefineReport {
+  std::uint64_t triangles_before = 0, triangles_after = 0;
+  std::uint64_t split = 0;  // triangles of the mesh that had an edge beyond the limit
+};
+
 }  // namespace lodestone

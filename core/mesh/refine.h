@@ -29,19 +29,14 @@
 
 namespace lodestone {
 
-struct RefineReport {
-  std::uint64_t triangles_before = 0, triangles_after = 0;
-  std::uint64_t split = 0;  // triangles of the mesh that had an edge beyond the limit
-};
-
 // False when the lattice (or float32) is too coarse to split edges until they are so short: an edge of that length must
 // be some of its steps long.
 [[nodiscard]] bool can_refine(double longest, Lattice lattice);
 // The limit for exact middles that keeps rounded ones within `longest`. Throws InputError unless can_refine().
 [[nodiscard]] double refine_limit(double longest, Lattice lattice);
 
-// Number of parts that refine_mesh() makes of the triangles, before parts that rounding makes equal are dropped; at most
-// `most` + 1, where the count ends. Time is proportional to the result.
+// Number of parts that refine_mesh() makes of the triangles, before parts that rounding makes equal are dropped; at
+// most `most` + 1, where the count ends. Time is proportional to the result.
 [[nodiscard]] std::uint64_t count_refined(const IndexedMesh& mesh, double longest, std::uint64_t most);
 
 // Afterwards no edge is longer than `longest`. A triangle keeps its place in the order or is replaced by its first

@@ -8,13 +8,6 @@
 
 namespace lodestone {
 
-// As glTF has it.
-struct Tangent {
-  Vec3f along_u{1, 0, 0};  // of unit length, perpendicular to the normal: where u grows
-  float side = 1;          // -1 where texture coordinates are mirrored: cross(normal, along_u) * side is where v falls
-  friend bool operator==(const Tangent&, const Tangent&) = default;
-};
-
 // One per wedge: the mean of the directions of the triangles around it, each in the plane of the normal and weighted by
 // the angle at the corner (mikkelsen2008). Components are multiples of 2^-10: files compress them well, and what is
 // made with these tangents is read with the same. Triangles are in the order of their wedges; arrays have one value per

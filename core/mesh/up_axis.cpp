@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/math/affine.h"
 
 namespace lodestone {
 namespace {

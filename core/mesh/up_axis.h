@@ -8,10 +8,11 @@
 #include <string>
 #include <string_view>
 
-#include "core/math/affine.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {
+
+struct Affine3d;  // core/math/affine.h
 
 // The numbers are those of .lode files. `earth`: away from the origin, which is the middle of the Earth.
 enum class UpAxis : std::uint8_t { z, y, x, minus_z, minus_y, minus_x, earth };

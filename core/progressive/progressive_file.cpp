@@ -41,6 +41,11 @@ progressive::MetricKind fitting_metric(const WedgeAttributes& attributes) {
 }
 
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
+                                     const ProgressiveFileConfig& config) {
+  return save_progressive(mesh, path, config, Runner{});
+}
+
+ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
                                      const ProgressiveFileConfig& config, const Runner& runner) {
   const std::string extension = lower_extension(path);
   const std::vector<Texture> thumbnails = make_thumbnails(mesh, runner);

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/base/runner.h"
 #include "core/progressive/collapse/metric_kind.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -13,6 +12,7 @@
 namespace lodestone {
 
 class ByteReader;
+struct Runner;  // core/base/runner.h
 
 struct ProgressiveFileConfig {
   LpmConfig lpm = {};
@@ -36,9 +36,12 @@ struct ProgressiveFileSize {
 [[nodiscard]] progressive::MetricKind fitting_metric(const WedgeAttributes& attributes);
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws
-// UnsupportedError for other extensions, FileError if it cannot be written. The runner makes the thumbnails.
+// UnsupportedError for other extensions, FileError if it cannot be written. The thumbnails are
+// made by the runner, if there is one.
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
-                                     const ProgressiveFileConfig& config = {}, const Runner& runner = {});
+                                     const ProgressiveFileConfig& config = {});
+ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
+                                     const ProgressiveFileConfig& config, const Runner& runner);
 
 // The first bytes decide on the format. `prefix`: as in read_lpm(). Throws FileError, and InputError with the place.
 [[nodiscard]] ProgressiveMesh load_progressive(const std::filesystem::path& path, bool prefix = false);

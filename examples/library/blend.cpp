@@ -9,7 +9,7 @@ using namespace lodestone;
 int main() try {
   // It rests at both ends of the band, where other curves only slow down.
   const Blend resting = own_blend({BlendCurve::Kind::table, {0, 0, 0.5f, 1, 1}});
-  const Blend quintic = blend("polynomial:0,0,0,10,-15,6");
+  const Blend quintic = blend_named("polynomial:0,0,0,10,-15,6");
   for (const Blend b : {Blend::linear, Blend::smoothstep, resting, quintic}) {
     std::printf("%-28s Lipschitz constant %.3f:", std::string(name_of(b)).c_str(), blend_lipschitz(b));
     for (int i = 0; i <= 8; ++i) std::printf(" %.2f", static_cast<double>(blend_share(b, static_cast<float>(i) / 8)));

@@ -32,8 +32,8 @@ BuildConfig build_config(const BuildOptions& options) {
   config.cell_triangles = options.cell_triangles;
   config.finest_level = options.levels.value_or(-1);
   config.simplifier = options.simplifier;
-  if (options.placement) config.placement = placement(*options.placement);
-  config.strategy = strategy(options.strategy);
+  if (options.placement) config.placement = placement_named(*options.placement);
+  config.strategy = strategy_named(options.strategy);
   config.refine = options.refine;
   config.refine_limit = options.refine_limit;
   config.order_cells = options.compress;

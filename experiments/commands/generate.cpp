@@ -47,7 +47,7 @@ void generate_hard(const GenerateOptions& options, const CommonOptions& common) 
 void run(const GenerateOptions& options, const CommonOptions& common) {
   check_files(common, {}, {{"--output", options.output, ".ply"}});
   if (options.shape_name.starts_with(hard_prefix)) return generate_hard(options, common);
-  const GenerateConfig config{shape(options.shape_name), options.triangles.value_or(GenerateConfig{}.triangles),
+  const GenerateConfig config{shape_named(options.shape_name), options.triangles.value_or(GenerateConfig{}.triangles),
                               options.seed};
   const auto scheduler = make_scheduler(common);
   const CpuClock clock;

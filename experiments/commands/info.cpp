@@ -115,32 +115,32 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   const Hierarchy h = load_lode(file, scheduler);
   const Vec3d o = h.transform.origin;
   const Stored stored = stored_in(h, file);
-  const Json result{
-      {"file", file},
-      {"input_triangles", h.provenance.input_triangles},
-      {"input_vertices", h.provenance.input_vertices},
-      {"repairs", to_json(h.provenance.repairs)},
-      {"sigma0", h.sigma0},
-      {"simplifier", h.provenance.simplifier},
-      {"placement", name_of(static_cast<Placement>(h.provenance.placement))},
-      {"cell_triangles", h.provenance.cell_triangles},
-      {"origin", {o.x, o.y, o.z}},
-      {"scale", h.transform.scale},
-      {"up", name_of(h.transform.up.axis)},
-      {"up_guessed", h.transform.up.guessed},
-      {"kappa0_admissible_above",
-       {{"euclidean", reach(h, DistanceMetric::euclidean)}, {"chebyshev", reach(h, DistanceMetric::chebyshev)}}},
-      {"errors", name_of_errors(h)},
-      {"refined", h.provenance.refined},
-      {"lattice_bits", h.transform.lattice.bits},
-      {"stored_triangles", stored.triangles},
-      {"stored_vertices", stored.vertices},
-      {"file_bytes", stored.bytes},
-      {"bytes_per_stored_triangle", stored.bytes_per_triangle()},
-      {"materials", h.materials.size()},
-      {"textures", describe_textures(h)},
-      {"levels", h.levels.size()},
-      {"level_table", level_table(h)}};
+  const Json result{{"file", file},
+                    {"input_triangles", h.provenance.input_triangles},
+                    {"input_vertices", h.provenance.input_vertices},
+                    {"repairs", to_json(h.provenance.repairs)},
+                    {"sigma0", h.sigma0},
+                    {"simplifier", h.provenance.simplifier},
+                    {"placement", name_of(static_cast<Placement>(h.provenance.placement))},
+                    {"cell_triangles", h.provenance.cell_triangles},
+                    {"origin", {o.x, o.y, o.z}},
+                    {"scale", h.transform.scale},
+                    {"up", name_of(h.transform.up.axis)},
+                    {"up_guessed", h.transform.up.guessed},
+                    {"kappa0_admissible_above",
+                     {{"euclidean", greatest_reach(h, DistanceMetric::euclidean)},
+                      {"chebyshev", greatest_reach(h, DistanceMetric::chebyshev)}}},
+                    {"errors", name_of_errors(h)},
+                    {"refined", h.provenance.refined},
+                    {"lattice_bits", h.transform.lattice.bits},
+                    {"stored_triangles", stored.triangles},
+                    {"stored_vertices", stored.vertices},
+                    {"file_bytes", stored.bytes},
+                    {"bytes_per_stored_triangle", stored.bytes_per_triangle()},
+                    {"materials", h.materials.size()},
+                    {"textures", describe_textures(h)},
+                    {"levels", h.levels.size()},
+                    {"level_table", level_table(h)}};
   write_result(common, result);
   if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
@@ -154,7 +154,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   fmt::print("errors {}{}\n", nature_of_errors(h),
              h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",
-             reach(h, DistanceMetric::euclidean), reach(h, DistanceMetric::chebyshev));
+             greatest_reach(h, DistanceMetric::euclidean), greatest_reach(h, DistanceMetric::chebyshev));
   fmt::print("{:>5} {:>9} {:>12} {:>12} {:>8} {:>8} {:>9} {:>9} {:>10}\n", "level", "cells", "triangles", "vertices",
              "reach", "diam", "error/h", "edge/h", "long edges");
   for (std::size_t l = 0; l < h.levels.size(); ++l) {

@@ -89,7 +89,7 @@ std::vector<FileArgument> input_files(const RenderOptions& options) {
 // Applies the options that replace settings of the scene.
 void apply(const RenderOptions& options, Scene& scene) {
   scene.radii = radii_of(options, scene.radii);
-  if (options.blend_name) scene.blend = blend(*options.blend_name);
+  if (options.blend_name) scene.blend = blend_named(*options.blend_name);
   if (options.effects) scene.effects = parse_effects(*options.effects);
   if (options.tint) scene.settings.level_tint = 1;
   if (options.frames) scene.camera.frames = *options.frames;
@@ -109,7 +109,7 @@ void refuse_inadmissible(const RenderOptions& options, const SceneView& view) {
   for (std::size_t m = 0; m < view.model_count() && !options.allow_inadmissible; ++m) {
     const RadiiConfig& config = view.scene().radii;
     if (config.rule != RadiiRule::uniform || make_radii(view.hierarchy(m), config).admissible) continue;
-    const float rho = reach(view.hierarchy(m), config.metric);
+    const float rho = greatest_reach(view.hierarchy(m), config.metric);
     throw InputError(describe(
         view.model_count() > 1 ? view.scene().models[m].name : options.file, "",
         fmt::format("kappa0 = {} is inadmissible here: it must exceed {:.4f}", *config.kappa0, rho + 3 * config.delta),

@@ -40,7 +40,7 @@ viewer::ViewState first_state(const ViewOptions& options) {
   if (options.kappa0 && radii.rule == RadiiRule::adaptive)
     throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
   settings.rule = radii.rule;
-  settings.blend = blend(options.blend_name);
+  settings.blend = blend_named(options.blend_name);
   state.metric = radii.metric;
   // Out of range is an error here, where a user wrote it; in the window it is brought into range.
   if (viewer::clamped(settings) != settings)

@@ -25,7 +25,7 @@ std::vector<ParameterInfo> parameters() {
   append(list, in_core_build_parameters());
   list.push_back({"compress", false, "", "the file is a compressed one, its vertices on a lattice", 0, 0, {}});
   list.push_back(
-      condition({"error_level", 2, "", "levels above the finest whose mesh is held against the input", 0, 20, {}}));
+      as_condition({"error_level", 2, "", "levels above the finest whose mesh is held against the input", 0, 20, {}}));
   return list;
 }
 

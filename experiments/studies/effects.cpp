@@ -23,8 +23,8 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
-      condition({"frames", 12, "", "on the scene's camera path", 2, 10000, {}}),
+      as_condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
+      as_condition({"frames", 12, "", "on the scene's camera path", 2, 10000, {}}),
   };
   append(list, picture_parameters());
   return list;
@@ -134,7 +134,7 @@ Row row_of(const Choice& choice, const Choice& planned, bool to_the_bit) {
   row["triangles"] = spread_of(choice.triangles).median;
   row["hash"] = to_hex(hash_of(choice.last));
   if (choice.label != "everything") return row;
-  const double differing = difference(choice.last, planned.last).differing_share;
+  const double differing = image_difference(choice.last, planned.last).differing_share;
   row["differing"] = 100 * differing;
   row["same_picture"] = to_the_bit ? choice.last.rgba == planned.last.rgba : differing <= most_differing;
   return row;

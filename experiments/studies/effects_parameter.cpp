@@ -6,14 +6,14 @@ namespace lodestone {
 
 ParameterInfo effects_parameter(const std::string& description) {
   const auto usual_form = [](const std::string& text) { return to_text(parse_effects(text)); };
-  return condition({"effects",
-                    "auto",
-                    "",
-                    description,
-                    0,
-                    0,
-                    {"auto", "all", "none"},
-                    OtherTexts{"or several of " + effect_list() + " (one text, separated by commas)", usual_form}});
+  return as_condition({"effects",
+                       "auto",
+                       "",
+                       description,
+                       0,
+                       0,
+                       {"auto", "all", "none"},
+                       OtherTexts{"or several of " + effect_list() + " (one text, separated by commas)", usual_form}});
 }
 
 EffectRequest effect_request(const Parameters& parameters) { return parse_effects(parameters.text("effects")); }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "experiments/studies/parameters.h"
-#include "experiments/subjects/row.h"
+#include "experiments/subjects/column_info.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

@@ -29,7 +29,7 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      condition({"level_count", 3, "", "levels below the input", 1, 15, {}}),
+      as_condition({"level_count", 3, "", "levels below the input", 1, 15, {}}),
       {"merge", "stitch", "", "of reconstructed levels", 0, 0, {"stitch", "concatenate"}},
       {"peers", false, "", "whole meshes simplified by meshoptimizer and by OpenMesh are families, too", 0, 0, {}},
   };

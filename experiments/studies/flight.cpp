@@ -36,7 +36,7 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(1),
-      condition({"backend", "null", "", "that draws: null counts alone", 0, 0, backend_names()}),
+      as_condition({"backend", "null", "", "that draws: null counts alone", 0, 0, backend_names()}),
       {"kappa0", 0.0, "cell sizes", "least selection radius; 0: by pixel_error", 0, 1e6, {}},
       {"kappa0_over_rho", 0.0, "", "kappa0 as a multiple of the admissible border instead; 0: not used", 0, 1e3, {}},
       {"pixel_error", 1.0, "pixels", "tolerance, where no kappa0 is given", 1e-3, 1e3, {}},
@@ -75,7 +75,7 @@ std::vector<ColumnInfo> columns() {
 
 // kappa0 as a multiple of the least admissible one, which models of one or two levels do not have.
 double kappa0_of(double ratio, const Hierarchy& hierarchy, const RadiiConfig& config) {
-  const double border = reach(hierarchy, config.metric) + 3 * double{config.delta};
+  const double border = greatest_reach(hierarchy, config.metric) + 3 * double{config.delta};
   if (border <= 0)
     throw InputError(fmt::format(
         "kappa0_over_rho: any kappa0 is admissible for {} levels, there is no border; give kappa0, or smaller cells",
@@ -96,7 +96,7 @@ RadiiConfig radii_of(const Parameters& parameters, const Hierarchy& hierarchy) {
 }
 
 void add_border(Row& row, const RadiiConfig& config, const Hierarchy& hierarchy) {
-  const double rho = reach(hierarchy, config.metric), border = rho + 3 * double{config.delta};
+  const double rho = greatest_reach(hierarchy, config.metric), border = rho + 3 * double{config.delta};
   row["rho"] = rho;
   row["kappa0_used"] = config.kappa0 ? Row(*config.kappa0) : Row();
   row["over_border"] = config.kappa0 && border > 0 ? Row(*config.kappa0 / border) : Row();
@@ -105,7 +105,7 @@ void add_border(Row& row, const RadiiConfig& config, const Hierarchy& hierarchy)
 ViewConfig view_config(const Parameters& parameters, const RadiiConfig& radii) {
   ViewConfig view = view_of_model(view_size(parameters), parameters.integer("samples"));
   view.radii = radii;
-  view.blend = blend(parameters.text("blend"));
+  view.blend = blend_named(parameters.text("blend"));
   view.effects = effect_request(parameters);
   return view;
 }

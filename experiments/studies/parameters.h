@@ -36,7 +36,7 @@ struct ParameterInfo {
   bool condition = false;  // under which something is measured: settings compete only where conditions are equal
 };
 
-[[nodiscard]] inline ParameterInfo condition(ParameterInfo info) {
+[[nodiscard]] inline ParameterInfo as_condition(ParameterInfo info) {
   info.condition = true;
   return info;
 }

@@ -25,7 +25,7 @@ std::vector<ParameterInfo> parameters() {
       rounds_parameter(3),
       {"metric", "quadric", "", "by which collapses are ranked", 0, 0, {"quadric", "attribute-quadric", "parametric"}},
       {"base", 0, "triangles", "to stop at; 0: when nothing can collapse", 0, 1e9, {}},
-      condition(
+      as_condition(
           {"level_count", 4, "", "levels to measure, each of a fourth of the triangles of the one before", 1, 15, {}}),
   };
 }

@@ -21,10 +21,10 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      condition({"backend", "soft", "", "that draws", 0, 0, backend_names()}),
+      as_condition({"backend", "soft", "", "that draws", 0, 0, backend_names()}),
       {"pixel_error", 1.0, "pixels", "tolerance", 1e-3, 1e3, {}},
       effects_parameter("of the pictures, that of the full model, too"),
-      condition(
+      as_condition(
           {"measured_frames", 4, "", "frames whose picture is held against that of the full model", 0, 10000, {}}),
   };
   append(list, viewpoint_parameters());

@@ -32,7 +32,7 @@ std::vector<ParameterInfo> parameters() {
       {"views", 0, "", "views in all; 6: the faces of the box; 0: as many as the uncovered area asks for", 0, 999, {}},
       {"merge", "stitch", "", "how the views become one mesh", 0, 0, {"stitch", "concatenate"}},
       {"projection", "orthographic", "", "of the views", 0, 0, {"orthographic", "perspective"}},
-      condition({"backend", "soft", "", "that draws the maps", 0, 0, map_backend_names()}),
+      as_condition({"backend", "soft", "", "that draws the maps", 0, 0, map_backend_names()}),
       {"condense", true, "", "maps are drawn at twice the resolution and condensed", 0, 0, {}},
       {"sharp", 35.0, "degrees", "angle from which sharp features are recovered; 0: none", 0, 179, {}},
   };

@@ -1,5 +1,7 @@
 #include "experiments/studies/rounds.h"
 
+#include "experiments/subjects/row.h"
+
 namespace lodestone {
 
 void add_times(Row& row, const Rounds& rounds) {
@@ -8,7 +10,7 @@ void add_times(Row& row, const Rounds& rounds) {
 }
 
 ParameterInfo rounds_parameter(int rounds) {
-  return condition({"rounds", rounds, "", "times that it is timed, after a round that warms up", 1, 1000, {}});
+  return as_condition({"rounds", rounds, "", "times that it is timed, after a round that warms up", 1, 1000, {}});
 }
 
 void check_cancelled(const RunContext& context) {

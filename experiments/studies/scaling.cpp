@@ -15,6 +15,7 @@
 #include "experiments/studies/study_input.h"
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/result_hash.h"
+#include "experiments/subjects/row.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/processors.h"
 #include "parallel/scheduler/trace.h"
@@ -27,15 +28,15 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(5),
-      condition({"task", "build", "", "what the workers do", 0, 0, scaling_tasks()}),
-      condition(
+      as_condition({"task", "build", "", "what the workers do", 0, 0, scaling_tasks()}),
+      as_condition(
           {"mode", "strong", "", "strong: the same work for all; weak: as much for each", 0, 0, {"strong", "weak"}}),
-      condition({"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}}),
-      condition({"frames", 8, "", "of raster, once around the model", 2, 10000, {}}),
+      as_condition({"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}}),
+      as_condition({"frames", 8, "", "of raster, once around the model", 2, 10000, {}}),
   };
   append(list, build_parameters());
-  append(list, {condition({"width", 640, "pixels", "of raster", 16, 16384, {}}),
-                condition({"height", 360, "pixels", "of raster", 16, 16384, {}})});
+  append(list, {as_condition({"width", 640, "pixels", "of raster", 16, 16384, {}}),
+                as_condition({"height", 360, "pixels", "of raster", 16, 16384, {}})});
   return list;
 }
 

@@ -23,7 +23,8 @@ std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> 
 }
 
 ParameterInfo threads_parameter() {
-  return condition({"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}});
+  return as_condition(
+      {"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}});
 }
 
 std::vector<ParameterInfo> build_parameters() {
@@ -48,9 +49,9 @@ std::vector<ParameterInfo> in_core_build_parameters() {
 
 std::vector<ParameterInfo> picture_parameters() {
   return {
-      condition({"width", 640, "pixels", "of the picture", 16, 16384, {}}),
-      condition({"height", 360, "pixels", "of the picture", 16, 16384, {}}),
-      condition({"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}}),
+      as_condition({"width", 640, "pixels", "of the picture", 16, 16384, {}}),
+      as_condition({"height", 360, "pixels", "of the picture", 16, 16384, {}}),
+      as_condition({"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}}),
   };
 }
 
@@ -58,10 +59,10 @@ void check_build(SettingVerdict& verdict, const Parameters& parameters) {
   const std::string simplifier = parameters.text("simplifier");
   const std::vector<Placement>& known = placements_of(simplifier);
   const std::string placing = parameters.text("placement");
-  verdict.require(placing == "default" || std::ranges::find(known, placement(placing)) != known.end(),
+  verdict.require(placing == "default" || std::ranges::find(known, placement_named(placing)) != known.end(),
                   {"simplifier", "placement"},
                   assignment(parameters, "simplifier") + " does not know the placement " + placing + "; only " +
-                      simplifiers_that_know(placing == "default" ? known.front() : placement(placing)) + " does");
+                      simplifiers_that_know(placing == "default" ? known.front() : placement_named(placing)) + " does");
   verdict.idle(known.size() == 1, "placement", assignment(parameters, "simplifier"));
   verdict.idle(parameters.integer("finest_level") >= 0, "cell_triangles", assignment(parameters, "finest_level"));
 }
@@ -86,8 +87,8 @@ BuildConfig build_config(const Parameters& parameters, const RunContext& context
   config.cell_triangles = static_cast<std::uint32_t>(parameters.integer("cell_triangles"));
   config.finest_level = parameters.integer("finest_level");
   config.simplifier = parameters.text("simplifier");
-  if (parameters.text("placement") != "default") config.placement = placement(parameters.text("placement"));
-  config.strategy = strategy(parameters.text("strategy"));
+  if (parameters.text("placement") != "default") config.placement = placement_named(parameters.text("placement"));
+  config.strategy = strategy_named(parameters.text("strategy"));
   config.refine = parameters.json().value("refine", false);
   config.cancel = context.cancel;
   return config;

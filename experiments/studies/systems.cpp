@@ -36,7 +36,7 @@ std::vector<ParameterInfo> parameters() {
       threads_parameter(),
       rounds_parameter(3),
       {"system", "morph", "", "of levels of detail", 0, 0, system_names()},
-      condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
+      as_condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
       effects_parameter("of all pictures; geomorph, which is the system's own, runs in any case"),
       {"fade_width", 0.25, "", "of cross-fade: way of a fade over the distance at which it begins", 0, 10, {}},

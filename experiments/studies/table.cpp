@@ -17,9 +17,9 @@ namespace table_study {
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
-      condition({"model", "the input", "", "model that the input represents", 0, 0, {}}),
-      condition({"published", "not known", "", "what is published of a model of this size", 0, 0, {}}),
-      condition({"memory_limit", 0.0, "GiB", "what needs more is built out of core; 0: no limit", 0, 1e6, {}}),
+      as_condition({"model", "the input", "", "model that the input represents", 0, 0, {}}),
+      as_condition({"published", "not known", "", "what is published of a model of this size", 0, 0, {}}),
+      as_condition({"memory_limit", 0.0, "GiB", "what needs more is built out of core; 0: no limit", 0, 1e6, {}}),
   };
   append(list, build_parameters());
   return list;

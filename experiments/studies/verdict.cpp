@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/subjects/row.h"
+
 namespace lodestone {
 namespace {
 

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "experiments/metrics/cracks/adversary.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/subjects/row.h"
 
 namespace lodestone {
 namespace {
@@ -82,15 +83,15 @@ ParameterInfo camera_parameter(const std::string& description, std::vector<std::
     return std::filesystem::path(text).lexically_normal().string();
   };
   const auto look_into = [](const std::string& path) { (void)read_camera_keys(path); };
-  return condition({"camera", "fly-in", "", description, 0, 0, std::move(names),
-                    OtherTexts{"or the file of a recorded path (.json)", usual_form, look_into}});
+  return as_condition({"camera", "fly-in", "", description, 0, 0, std::move(names),
+                       OtherTexts{"or the file of a recorded path (.json)", usual_form, look_into}});
 }
 
 std::vector<ParameterInfo> path_parameters() {
   return {
-      condition({"frames", 60, "", "of the path; of pairs, both count", 2, 100000, {}}),
-      condition({"from", 0.0, "", "where on the path the frames begin: 0 is its begin, 1 its end", 0, 1, {}}),
-      condition({"to", 1.0, "", "where on the path the frames end", 0, 1, {}}),
+      as_condition({"frames", 60, "", "of the path; of pairs, both count", 2, 100000, {}}),
+      as_condition({"from", 0.0, "", "where on the path the frames begin: 0 is its begin, 1 its end", 0, 1, {}}),
+      as_condition({"to", 1.0, "", "where on the path the frames end", 0, 1, {}}),
   };
 }
 
@@ -115,8 +116,8 @@ std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& p
 std::vector<ParameterInfo> viewpoint_parameters() {
   std::vector<ParameterInfo> list{
       camera_parameter("path or viewpoints", {"orbit", "fly-in", "random", "adversarial"}),
-      condition({"step", 0.01, "", "of random pairs, over the distance from the model's middle", 1e-6, 0.5, {}}),
-      condition({"seed", 1, "", "of random viewpoints", 0, 1e9, {}}),
+      as_condition({"step", 0.01, "", "of random pairs, over the distance from the model's middle", 1e-6, 0.5, {}}),
+      as_condition({"seed", 1, "", "of random viewpoints", 0, 1e9, {}}),
   };
   append(list, path_parameters());
   return list;

@@ -142,7 +142,7 @@ Columns time_columns() {
       {{"idle_tail", "s", "end of building in which at least one worker has nothing left to do", cost},
        [](R r) { return r.use ? Row(r.use->idle_tail) : Row(); }},
       {{"rho", "", "reach: the least uniform kappa0 that is admissible", accuracy},
-       [](R r) { return reach(r.hierarchy, DistanceMetric::euclidean); }},
+       [](R r) { return greatest_reach(r.hierarchy, DistanceMetric::euclidean); }},
       {{"diameter", "", "largest diameter of a cell's box over its size", accuracy},
        [](R r) { return totals(r).diameter; }},
       {{"e", "", "largest error of a level over its cell size, as the builder states it", accuracy},

@@ -64,7 +64,8 @@ DataSource read_source(const std::string& name, const toml::node& node, const To
     return source;
   }
   try {
-    source.generate = {shape(source.shape), static_cast<std::uint64_t>(triangles), static_cast<std::uint64_t>(seed)};
+    source.generate = {shape_named(source.shape), static_cast<std::uint64_t>(triangles),
+                       static_cast<std::uint64_t>(seed)};
   } catch (const InputError& error) {
     table.fail(*table.find("generate"), "generate", std::string("is wrong: ") + error.what());
   }

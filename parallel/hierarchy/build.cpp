@@ -114,7 +114,7 @@ void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& o
 
 }  // namespace
 
-Strategy strategy(std::string_view name) {
+Strategy strategy_named(std::string_view name) {
   for (const Strategy s : {Strategy::serial, Strategy::levels, Strategy::graph})
     if (name == name_of(s)) return s;
   throw InputError("unknown strategy '" + std::string(name) + "'; " + known_names(name, {"serial", "levels", "graph"}));

@@ -13,7 +13,6 @@
 #include <string_view>
 
 #include "core/hierarchy/model/hierarchy.h"
-#include "core/mesh/refine.h"
 #include "core/simplify/contract/simplifier.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
@@ -21,7 +20,7 @@
 namespace lodestone {
 
 enum class Strategy : std::uint8_t { serial, levels, graph };
-[[nodiscard]] Strategy strategy(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] Strategy strategy_named(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(Strategy strategy);
 
 inline constexpr std::uint64_t min_refine_limit = 100'000;  // triangles

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/hierarchy/construct/cell_error.h"
 #include "core/hierarchy/construct/image_bound.h"
 #include "core/math/round_up.h"
 
@@ -45,9 +46,9 @@ class ErrorMeasurement {
   [[nodiscard]] MeasureReport report() const {
     MeasureReport result;
     for (const CellErrorMeter& meter : meters_) {
-      result.work.queries += meter.work().queries;
-      result.work.pieces += meter.work().pieces;
-      result.work.tests += meter.work().tests;
+      result.queries += meter.work().queries;
+      result.pieces += meter.work().pieces;
+      result.tests += meter.work().tests;
     }
     for (int l = 0; l < hierarchy_.finest(); ++l) {
       const Level& level = hierarchy_.levels[static_cast<std::size_t>(l)];

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "core/hierarchy/lode/lode_file.h"
-#include "core/hierarchy/lode/lode_payload.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
+
+struct PayloadCounts;  // core/hierarchy/lode/lode_payload.h
 
 // The cells of a hierarchy that is written: this one has them in memory.
 class CellSource {

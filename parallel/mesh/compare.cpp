@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "core/spatial/surface_samples.h"
+
 namespace lodestone {
 
 MeshDistance compare_meshes(const RawMesh& a, const RawMesh& b, const CompareConfig& config, Scheduler& scheduler) {

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
 #include "parallel/mesh/mesh_stream.h"

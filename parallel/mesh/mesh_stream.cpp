@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/files/checksum.h"
 #include "core/files/input_file.h"
-#include "core/formats/mesh_file.h"
+#include "core/formats/mesh_reader.h"
 #include "core/formats/plain/stl.h"
 #include "core/formats/ply/ply_header.h"
 #include "core/formats/ply/ply_layout.h"

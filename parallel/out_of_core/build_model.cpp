@@ -14,6 +14,7 @@
 #include "parallel/hierarchy/save.h"
 #include "parallel/hierarchy/texture_levels.h"
 #include "parallel/mesh/load.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "parallel/out_of_core/out_of_core.h"
 #include "parallel/scheduler/clock.h"
 

@@ -16,17 +16,18 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/hierarchy/measure_errors.h"
-#include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
+
+class MeshStream;  // parallel/mesh/mesh_stream.h
 
 // A mesh file and how it is read.
 struct ModelSource {
   std::filesystem::path path;
   ReadConfig reading{};
-  std::unique_ptr<MeshStream> stream{};  // builds on disk from pieces of the file; nullptr: in memory
-  std::uint64_t in_core_bytes = 0;       // with a stream: the limit from which on it is built in memory; 0: unknown
+  std::shared_ptr<const MeshStream> stream{};  // builds on disk from pieces of the file; nullptr: in memory
+  std::uint64_t in_core_bytes = 0;  // with a stream: the limit from which on it is built in memory; 0: unknown
 };
 
 // Chooses between memory and disk by a limit in bytes; 0: no limit. `workers` build later. Throws ResourceError for a

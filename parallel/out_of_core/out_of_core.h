@@ -6,6 +6,7 @@
 // per vertex of the finest level, what is known of shared vertices, and a block per worker: docs/decisions/0010.
 #pragma once
 
+#include "parallel/mesh/mesh_stream.h"
 #include "parallel/out_of_core/build_model.h"
 
 namespace lodestone {

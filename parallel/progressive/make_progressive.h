@@ -4,19 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/instruction_set.h"
 #include "core/progressive/collapse/metric_kind.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
+enum class InstructionSet;  // core/base/instruction_set.h
+
 struct ProgressiveConfig {
   progressive::MetricKind metric = progressive::MetricKind::quadric;
   progressive::AttributeWeights weights{};
   std::size_t base_triangles = 0;    // to stop at; 0: what remains when nothing can collapse
   std::size_t finest_triangles = 0;  // at most, as far as the base allows; 0: all
-  InstructionSet instructions = InstructionSet::best;
+  InstructionSet instructions = {};  // the best one
 };
 
 struct ProgressiveReport {

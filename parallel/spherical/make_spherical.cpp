@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/error.h"
 #include "core/spherical/assemble.h"
 #include "core/spherical/octahedron/cut_choice.h"
 #include "core/spherical/topology/make_spheres.h"

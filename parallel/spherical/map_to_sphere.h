@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/instruction_set.h"
 #include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spherical/parameterize/sphere_measure.h"
@@ -14,6 +13,8 @@
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
+
+enum class InstructionSet;  // core/base/instruction_set.h
 
 enum class SphereEffort : std::uint8_t { fast, normal, best };
 [[nodiscard]] SphereEffort sphere_effort(std::string_view name);  // throws InputError listing the known names
@@ -23,7 +24,7 @@ struct SphereMapConfig {
   // Weight of the term that keeps triangles from shrinking to nothing on the sphere: more of it gives fewer slivers and
   // more stretch. Greater than 0.
   double guard = 1e-6;
-  InstructionSet instructions = InstructionSet::best;
+  InstructionSet instructions = {};  // the best one
 };
 
 struct SphereMapReport {

@@ -5,6 +5,7 @@
 
 #include "core/spatial/mesh_distance.h"
 #include "core/spatial/point_triangle.h"
+#include "core/spatial/surface_samples.h"
 #include "core/spherical/resample/octahedral_codec.h"
 #include "core/spherical/resample/tangent_normals.h"
 

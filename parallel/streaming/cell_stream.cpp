@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/files/input_file.h"
+#include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/lode/lode_payload.h"
 
 namespace lodestone {
@@ -24,7 +26,8 @@ void end_threads(std::mutex& mutex, std::condition_variable& changed, bool& endi
 
 CellStream::CellStream(const std::filesystem::path& path, CellStreamConfig config)
     : map_(std::make_shared<const MappedFile>(path)),
-      reader_(map_->bytes(), map_, path.string()),
+      reader_(std::make_unique<const LodeReader>(map_->bytes(), map_, path.string())),
+      tables_(reader_->tables()),
       config_(std::move(config)) {
   const auto threads = static_cast<std::size_t>(std::max(config_.threads, 1));
   loading_.reserve(threads);  // a loading thread has nobody to tell that there is no memory
@@ -42,7 +45,7 @@ CellStream::~CellStream() { end_threads(mutex_, changed_, ending_, threads_); }
 std::uint64_t CellStream::family_bytes(CellId parent) const {
   const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t bytes = 0;
-  for (CellId c = range.begin; c < range.end; ++c) bytes += aligned(reader_.plain_size(c));
+  for (CellId c = range.begin; c < range.end; ++c) bytes += aligned(reader_->plain_size(c));
   return bytes;
 }
 
@@ -54,9 +57,9 @@ LoadedFamily CellStream::load(CellId parent) const {
   const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t at = 0;
   for (CellId c = range.begin; c < range.end; ++c) {
-    family.cells.push_back(reader_.load(c, {family.memory.get() + at, reader_.plain_size(c)}));
-    at += aligned(reader_.plain_size(c));
-    map_->forget(reader_.payload(c));
+    family.cells.push_back(reader_->load(c, {family.memory.get() + at, reader_->plain_size(c)}));
+    at += aligned(reader_->plain_size(c));
+    map_->forget(reader_->payload(c));
   }
   return family;
 }

@@ -15,10 +15,12 @@
 #include <thread>
 #include <vector>
 
-#include "core/files/input_file.h"
-#include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/model/hierarchy.h"
 
 namespace lodestone {
+
+class LodeReader;
+class MappedFile;
 
 // The cells of a family, their arrays in `memory`.
 struct LoadedFamily {
@@ -43,7 +45,7 @@ class CellStream {
   CellStream& operator=(const CellStream&) = delete;
 
   // All cells, their arrays as long as they will be, but not to be read.
-  [[nodiscard]] const Hierarchy& tables() const { return reader_.tables(); }
+  [[nodiscard]] const Hierarchy& tables() const { return tables_; }
   // Bytes that a family takes in memory, whatever the form of the file.
   [[nodiscard]] std::uint64_t family_bytes(CellId parent) const;
 
@@ -65,7 +67,8 @@ class CellStream {
   [[nodiscard]] std::uint64_t busy_bytes() const;  // under way and not collected; with the lock held
 
   std::shared_ptr<const MappedFile> map_;
-  LodeReader reader_;
+  std::unique_ptr<const LodeReader> reader_;
+  const Hierarchy& tables_;  // of the reader
   CellStreamConfig config_;
 
   std::mutex mutex_;

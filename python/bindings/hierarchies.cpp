@@ -32,8 +32,8 @@ ModelConfig take_config(Options& options) {
   options.take("cell_triangles", build.cell_triangles);
   options.take("finest_level", build.finest_level);
   options.take("simplifier", build.simplifier);
-  options.take<std::string>("placement", build.placement, placement);
-  options.take<std::string>("strategy", build.strategy, [](const std::string& name) { return strategy(name); });
+  options.take<std::string>("placement", build.placement, placement_named);
+  options.take<std::string>("strategy", build.strategy, [](const std::string& name) { return strategy_named(name); });
   options.take("refine", build.refine);
   options.take("refine_limit", build.refine_limit);
   options.take("measure_errors", config.measure_errors);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/formats/mesh_file.h"
+#include "core/formats/mesh_reader.h"
 #include "core/mesh/generate.h"
 #include "core/mesh/raw_mesh.h"
 #include "experiments/command_line/exit_status.h"
@@ -77,7 +78,7 @@ MeshPtr read(const fs::path& path, const py::kwargs& given) {
 MeshPtr generate(const std::string& shape_name, const py::kwargs& given) {
   Options options("generate", given);
   GenerateConfig config;
-  config.shape = shape(shape_name);
+  config.shape = shape_named(shape_name);
   options.take("triangles", config.triangles);
   options.take("seed", config.seed);
   LongCall call(options, LongCall::Threads::none);

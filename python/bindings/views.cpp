@@ -42,7 +42,7 @@ ViewConfig take_view(Options& options) {
   ViewConfig config = view_config(Scene{}, take_size(options));
   options.take("samples", config.samples);
   config.radii = take_radii(options);
-  options.take<std::string>("blend", config.blend, [](const std::string& name) { return blend(name); });
+  options.take<std::string>("blend", config.blend, [](const std::string& name) { return blend_named(name); });
   options.take<std::string>("effects", config.effects, parse_effects);
   options.take<bool>("tint", config.settings.level_tint, [](bool tint) { return tint ? 1.0f : 0.0f; });
   return config;

@@ -13,6 +13,7 @@
 #include "core/files/json.h"
 #include "core/files/text_file.h"
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/math/affine.h"
 #include "render/camera/camera.h"
 
 namespace lodestone {

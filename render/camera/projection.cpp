@@ -66,11 +66,11 @@ int side_of(const Plane& plane, const Box3f& box) {
 // it, which are points infinitely far away.
 std::optional<DepthOfPlane> depth_of_plane(const ViewProjection& vp, const Plane& plane, ImageSize size) {
   const Vec3d n = to_double(plane.n);
-  const double norm2 = lodestone::dot(n, n);
+  const double norm2 = dot(n, n);
   if (!(norm2 > 0)) return {};
   const Vec3d foot = (-plane.d / norm2) * n;
   const Vec3d aside = std::abs(n.x) < std::abs(n.y) ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d u = lodestone::cross(n, aside), v = lodestone::cross(n, u);
+  const Vec3d u = cross(n, aside), v = cross(n, u);
   const std::array<Row, 3> points{{{foot.x, foot.y, foot.z, 1}, {u.x, u.y, u.z, 0}, {v.x, v.y, v.z, 0}}};
   std::array<Vec3d, 3> sides;  // x, y and w of each
   std::array<double, 3> z{};
@@ -78,16 +78,15 @@ std::optional<DepthOfPlane> depth_of_plane(const ViewProjection& vp, const Plane
     sides[k] = {dot(row_of(vp, 0), points[k]), dot(row_of(vp, 1), points[k]), dot(row_of(vp, 3), points[k])};
     z[k] = dot(row_of(vp, 2), points[k]);
   }
-  const Vec3d bc = lodestone::cross(sides[1], sides[2]), ca = lodestone::cross(sides[2], sides[0]),
-              ab = lodestone::cross(sides[0], sides[1]);
-  const double determinant = lodestone::dot(sides[0], bc);
+  const Vec3d bc = cross(sides[1], sides[2]), ca = cross(sides[2], sides[0]), ab = cross(sides[0], sides[1]);
+  const double determinant = dot(sides[0], bc);
   const Vec3d of_clip = (1 / determinant) * (z[0] * bc + z[1] * ca + z[2] * ab);
   if (!is_finite(of_clip)) return {};
   return DepthOfPlane{of_clip.x / size.width, -of_clip.y / size.height,
                       0.5 + 0.5 * (of_clip.y - of_clip.x + of_clip.z)};
 }
 
-bool outside(const Frustum& frustum, const Box3f& box, float margin) {
+bool is_outside(const Frustum& frustum, const Box3f& box, float margin) {
   for (const Plane& plane : frustum) {
     // The corner farthest along the plane's normal.
     const Vec3f corner{plane.n.x >= 0 ? box.hi.x + margin : box.lo.x - margin,

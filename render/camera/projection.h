@@ -49,7 +49,7 @@ using Frustum = std::array<Plane, 6>;
 [[nodiscard]] Frustum frustum_of(const ViewProjection& vp);
 
 // True if the box, grown by `margin` on every side, is entirely outside one of the planes.
-[[nodiscard]] bool outside(const Frustum& frustum, const Box3f& box, float margin);
+[[nodiscard]] bool is_outside(const Frustum& frustum, const Box3f& box, float margin);
 
 // The point at / w, or for w = 0 the direction `at` towards an eye infinitely far away. A point p lies on the eye's
 // side of the plane through a with normal n when dot(n, at - w a) > 0.

@@ -176,7 +176,7 @@ Image contact_sheet(std::span<const Image> frames, const ContactSheetConfig& con
   return sheet;
 }
 
-ImageDifference difference(const Image& a, const Image& b, int threshold) {
+ImageDifference image_difference(const Image& a, const Image& b, int threshold) {
   check(a);
   check(b);
   if (a.size != b.size) throw InputError("images of different sizes cannot be compared");

@@ -48,6 +48,6 @@ struct ImageDifference {
 };
 
 // Colour, alpha included. Throws InputError when the sizes differ.
-[[nodiscard]] ImageDifference difference(const Image& a, const Image& b, int threshold = 8);
+[[nodiscard]] ImageDifference image_difference(const Image& a, const Image& b, int threshold = 8);
 
 }  // namespace lodestone

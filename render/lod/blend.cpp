@@ -86,7 +86,7 @@ std::string_view name_of(Blend blend) {
   return names[static_cast<std::size_t>(blend)];
 }
 
-Blend blend(std::string_view name) {
+Blend blend_named(std::string_view name) {
   for (const Blend candidate : blends)
     if (name == name_of(candidate)) return candidate;
   if (is_curve_text(name)) return own_blend(blend_curve(name));

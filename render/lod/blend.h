@@ -29,7 +29,7 @@ enum class Blend : std::uint8_t {
 [[nodiscard]] const BlendCurve* curve_of(Blend blend);
 
 // The blend of this name, or of the curve of this text. Throws InputError listing the known names.
-[[nodiscard]] Blend blend(std::string_view name);
+[[nodiscard]] Blend blend_named(std::string_view name);
 [[nodiscard]] std::string_view name_of(Blend blend);  // or the text of its curve
 [[nodiscard]] std::span<const Blend> all_blends();    // with a name
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/hierarchy/model/signatures.h"
+
 namespace lodestone {
 
 float morph_lambda(const MorphContext& context, int level, Vec3f w) {

@@ -145,7 +145,7 @@ Vec3d overhang(const Box3f& inner, const Box3f& outer) {
           beyond(inner.lo.z, inner.hi.z, outer.lo.z, outer.hi.z)};
 }
 
-float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
+float greatest_reach(const Hierarchy& hierarchy, DistanceMetric metric) {
   float rho = 0;
   for (int l = 1; l < hierarchy.finest(); ++l)
     rho = std::max(rho, hierarchy.levels[static_cast<std::size_t>(l)].reach[static_cast<std::size_t>(metric)]);

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
-#include "core/hierarchy/model/signatures.h"
 #include "render/camera/projection.h"
 #include "render/lod/blend.h"
 
 namespace lodestone {
+
+class Signatures;  // core/hierarchy/model/signatures.h
 
 enum class RadiiRule : std::uint8_t {
   per_level,  // r_l = max(kappa0 h_l, what keeps a band of width beta h_{l+1} at level l+1): admissible for any kappa0
@@ -76,6 +77,6 @@ inline constexpr float rounding_guard = 4e-6f;
 [[nodiscard]] Vec3d overhang(const Box3f& inner, const Box3f& outer);
 
 // rho: a uniform kappa0 is admissible just above it.
-[[nodiscard]] float reach(const Hierarchy& hierarchy, DistanceMetric metric);
+[[nodiscard]] float greatest_reach(const Hierarchy& hierarchy, DistanceMetric metric);
 
 }  // namespace lodestone

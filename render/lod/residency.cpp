@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/lod/family_choice.h"
+
 namespace lodestone {
 
 Residency::Residency(const Hierarchy& tables, std::vector<std::uint64_t> family_bytes, std::uint64_t root_bytes,

@@ -11,8 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "render/lod/family_choice.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/limits.h"
+#include "render/lod/radii.h"
 
 namespace lodestone {
 

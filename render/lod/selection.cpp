@@ -1,5 +1,7 @@
 #include "render/lod/selection.h"
 
+#include "render/lod/normal_cones.h"
+
 namespace lodestone {
 
 Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level) {
@@ -35,7 +37,8 @@ class Traversal {
     // Morphed vertices leave B by at most the displacement bound. B of an ancestor contains B of all below it and its
     // bound is larger, so that a cell outside here is outside with its whole subtree.
     if (visible && config_.frustum)
-      visible = !outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
+      visible =
+          !is_outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
     if (!visible && !config_.keep_culled) return;
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
                        limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.of(id, level);

@@ -7,10 +7,11 @@
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/projection.h"
 #include "render/lod/limits.h"
-#include "render/lod/normal_cones.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
+
+class NormalCones;  // render/lod/normal_cones.h
 
 // B(C) grown by as much as morphing vertices of its level may leave it.
 [[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level);

@@ -87,7 +87,7 @@ void complete_map(PositionMap& map, const std::string& name) {
       if (!map.colour.empty()) map.colour[i] = {0, 0, 0, 0};
       continue;
     }
-    const WindowPoint w = project(map.view, to_double(map.position[i]));
+    const WindowPoint w = to_window(map.view, to_double(map.position[i]));
     if (measure || !std::isfinite(map.depth[i])) map.depth[i] = static_cast<float>(w.depth);
     if (!map.normal.empty() && !is_finite(map.normal[i])) map.normal[i] = {};
     ++seen;

@@ -36,7 +36,7 @@ struct MapView {
 struct WindowPoint {
   double x = 0, y = 0, depth = 0;
 };
-[[nodiscard]] inline WindowPoint project(const MapView& view, Vec3d p) {
+[[nodiscard]] inline WindowPoint to_window(const MapView& view, Vec3d p) {
   const Vec3d from_eye = p - view.eye;
   const double depth = dot(from_eye, view.forward), scale = 1 / view.spacing(depth);
   return {0.5 * view.width + scale * dot(from_eye, view.right), 0.5 * view.height - scale * dot(from_eye, view.up),

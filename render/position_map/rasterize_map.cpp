@@ -165,7 +165,7 @@ void check_in_front(const IndexedMesh& mesh, const MapView& view) {
 }  // namespace
 
 SnappedVertex snap_to_window(const MapView& view, Vec3f position) {
-  const WindowPoint w = project(view, to_double(position));
+  const WindowPoint w = to_window(view, to_double(position));
   static constexpr double limit = 1 << 29;
   const auto snap = [](double v) {
     return static_cast<std::int32_t>(std::nearbyint(std::clamp(v * 256, -limit, limit)));

@@ -52,7 +52,7 @@ void read_source(TomlTable& table, const toml::node& at, SceneModel& model) {
   model.name = shape_name;
   model.generate.emplace();
   try {
-    model.generate->shape = shape(shape_name);
+    model.generate->shape = shape_named(shape_name);
   } catch (const InputError& error) {
     table.fail(at, "generate", std::string("is wrong: ") + error.what());
   }
@@ -158,7 +158,7 @@ void read_detail(TomlTable& table, Scene& scene) {
   std::string blend_name;
   table.text("blend", blend_name);
   try {
-    if (!blend_name.empty()) scene.blend = blend(blend_name);
+    if (!blend_name.empty()) scene.blend = blend_named(blend_name);
   } catch (const InputError& error) {
     table.fail(*table.find("blend"), "blend", std::string("is wrong: ") + error.what());
   }

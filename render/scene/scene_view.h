@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/hierarchy/model/signatures.h"
 #include "render/culling/back_faces.h"
 #include "render/frame/renderer.h"
 #include "render/lod/resident_cells.h"

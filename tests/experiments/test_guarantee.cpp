@@ -48,7 +48,7 @@ TEST_P(Guarantee, NoCrackAndNoPopWhereAdmissible) {
     take(named);
     for (const DistanceMetric metric : both_metrics)
       for (const bool uniform : {false, true}) {
-        const Radii radii = uniform ? uniform_radii(hierarchy_, metric, 1.0001f * reach(hierarchy_, metric))
+        const Radii radii = uniform ? uniform_radii(hierarchy_, metric, 1.0001f * greatest_reach(hierarchy_, metric))
                                     : per_level_radii(hierarchy_, metric);
         ASSERT_TRUE(radii.admissible);
         std::vector<Vec3f> views = random_viewpoints(hierarchy_, 30, 7);
@@ -75,7 +75,7 @@ TEST_P(Guarantee, CracksBelowTheReach) {
     SCOPED_TRACE(named.name);
     take(named);
     for (const DistanceMetric metric : both_metrics) {
-      const float rho = reach(hierarchy_, metric);
+      const float rho = greatest_reach(hierarchy_, metric);
       std::uint64_t open = 0;
       const Radii radii = uniform_radii(hierarchy_, metric, 0.3f * rho);
       for (const AdversarialView& view : adversarial_views(hierarchy_, radii, {.count = 24})) {

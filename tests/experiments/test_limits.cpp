@@ -148,7 +148,7 @@ TEST_F(Limits, NoCrackWhateverIsMissing) {
     std::size_t limited = 0;
     for (const DistanceMetric metric : both_metrics)
       for (const bool uniform : {false, true}) {
-        const Radii radii = uniform ? uniform_radii(hierarchy_, metric, 1.0001f * reach(hierarchy_, metric))
+        const Radii radii = uniform ? uniform_radii(hierarchy_, metric, 1.0001f * greatest_reach(hierarchy_, metric))
                                     : per_level_radii(hierarchy_, metric);
         for (const Vec3f viewpoint : random_viewpoints(hierarchy_, 25, 5)) {
           const unsigned share = 1 + random() % 4;

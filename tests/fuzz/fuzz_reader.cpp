@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "core/formats/mesh_reader.h"
 #include "core/mesh/clean.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,8 @@
 #include <cstdlib>
 
 #include "core/base/error.h"
-#include "core/formats/mesh_file.h"
+#include "core/files/scalar.h"
+#include "core/formats/mesh_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lodestone;

@@ -11,7 +11,7 @@ endif()
 function(package_step name)
   cmake_parse_arguments(arg "" "AFTER;SAYS" "COMMAND" ${ARGN})
   add_test(NAME package.${name} COMMAND ${arg_COMMAND})
-  set_tests_properties(package.${name} PROPERTIES LABELS package TIMEOUT 300 FIXTURES_SETUP package_${name})
+  set_tests_properties(package.${name} PROPERTIES LABELS package TIMEOUT 300 COST 60 FIXTURES_SETUP package_${name})
   if(arg_SAYS)
     set_tests_properties(package.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${arg_SAYS}")
   endif()
@@ -34,7 +34,8 @@ package_step(report AFTER install
                      ${package_folder}/prefix/${CMAKE_INSTALL_BINDIR}/lodestone)
 
 # One layer, on a machine that lacks what the others need.
-set(configure_consumer ${CMAKE_COMMAND} -G ${CMAKE_GENERATOR} -DCMAKE_BUILD_TYPE=Release ${consumer_flags}
+set(configure_consumer ${CMAKE_COMMAND} -G ${CMAKE_GENERATOR} -DCMAKE_BUILD_TYPE=Release
+                       "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" ${consumer_flags}
                        -DCMAKE_PREFIX_PATH=${package_folder}/prefix -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER})
 set(without)
 foreach(other TBB OpenEXR glfw3 fmt OpenSSL CLI11)

@@ -153,7 +153,7 @@ TEST(Build, RefusesConfigurationsOutOfRange) {
   EXPECT_THROW((void)build_with([](BuildConfig& c) { c.cell_triangles = 0; }), InputError);
   EXPECT_THROW((void)build_with([](BuildConfig& c) { c.finest_level = max_level + 1; }), InputError);
   EXPECT_THROW((void)build_hierarchy(IndexedMesh{}, {}, *scheduler), InputError);
-  EXPECT_THROW((void)strategy("fastest"), InputError);
+  EXPECT_THROW((void)strategy_named("fastest"), InputError);
 }
 
 TEST(Build, StopsWhenCancelled) {

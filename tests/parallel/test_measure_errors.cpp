@@ -166,7 +166,7 @@ TEST(MeasureErrors, CanBeCancelledAndReportProgress) {
       measure_errors(hierarchy, {.progress = [&](double share) { last = std::max(last, share); }}, *scheduler);
   EXPECT_GT(last, 0);
   EXPECT_LE(last, 1);
-  EXPECT_GT(report.work.pieces, 0u);
+  EXPECT_GT(report.pieces, 0u);
 }
 
 }  // namespace

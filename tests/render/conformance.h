@@ -167,7 +167,7 @@ inline std::unique_ptr<Renderer> renderer_if_possible(const std::string& backend
 
 inline void expect_conformance(const Image& image, const Image& reference, const ConformanceTolerance& tolerance = {}) {
   ASSERT_EQ(image.size, reference.size);
-  const ImageDifference d = difference(image, reference, tolerance.threshold);
+  const ImageDifference d = image_difference(image, reference, tolerance.threshold);
   // A pixel or two may always differ: in a tiny picture that is a large share.
   EXPECT_TRUE(d.differing_share <= tolerance.differing_share || d.differing <= 1)
       << d.differing << " pixels differ, the worst by " << d.max;

@@ -9,8 +9,8 @@ namespace lodestone::test {
 
 // A table with a flat piece, and polynomials of degree 2, 3 and 5.
 inline std::vector<Blend> own_blends() {
-  return {blend("table:0,0.125,0.125,0.875,1"), blend("polynomial:0,0.5,0.5"), blend("polynomial:0,0,3,-2"),
-          blend("polynomial:0,0,0,10,-15,6")};
+  return {blend_named("table:0,0.125,0.125,0.875,1"), blend_named("polynomial:0,0.5,0.5"),
+          blend_named("polynomial:0,0,3,-2"), blend_named("polynomial:0,0,0,10,-15,6")};
 }
 
 inline std::vector<Blend> blends_and_own() {

@@ -101,17 +101,17 @@ TEST(ContactSheet, RefusesWhatDoesNotFit) {
 TEST(Difference, CountsPixelsAndChannels) {
   const Image a = flat({10, 10}, 100);
   Image b = a;
-  EXPECT_EQ(difference(a, b).max, 0);
-  EXPECT_EQ(difference(a, b).differing, 0u);
+  EXPECT_EQ(image_difference(a, b).max, 0);
+  EXPECT_EQ(image_difference(a, b).differing, 0u);
   b.rgba[0] = 108;                 // within the threshold
   b.rgba[4] = 80, b.rgba[5] = 91;  // one pixel, two channels
-  const ImageDifference d = difference(a, b);
+  const ImageDifference d = image_difference(a, b);
   EXPECT_EQ(d.max, 20);
   EXPECT_EQ(d.differing, 1u);
   EXPECT_DOUBLE_EQ(d.differing_share, 0.01);
   EXPECT_DOUBLE_EQ(d.mean_absolute, (8 + 20 + 9) / 400.0);
-  EXPECT_EQ(difference(a, b, 7).differing, 2u);
-  EXPECT_THROW((void)difference(a, flat({10, 11}, 0)), InputError);
+  EXPECT_EQ(image_difference(a, b, 7).differing, 2u);
+  EXPECT_THROW((void)image_difference(a, flat({10, 11}, 0)), InputError);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_file.h"
+#include "core/hierarchy/model/signatures.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "render/lod/resident_cells.h"

@@ -172,7 +172,7 @@ inline Radii radii_of(const RandomModel& m, const Hierarchy& h) {
   config.kappa0 = static_cast<float>(m.kappa) / 20;
   if (m.uniform) {
     config.rule = RadiiRule::uniform;
-    config.kappa0 = (reach(h, config.metric) + 3 * config.delta) * (1 + *config.kappa0 / 10) + 1e-3f;
+    config.kappa0 = (greatest_reach(h, config.metric) + 3 * config.delta) * (1 + *config.kappa0 / 10) + 1e-3f;
   }
   return make_radii(h, config);
 }

@@ -173,7 +173,7 @@ TEST_P(ViewsOnBackend, FromFarAwayAreAlike) {
     ASSERT_EQ(image.rgba.size(), reference.rgba.size());
     if (image.rgba.empty()) continue;
     expect_finite(image);
-    const ImageDifference d = difference(image, reference, ConformanceTolerance{}.threshold);
+    const ImageDifference d = image_difference(image, reference, ConformanceTolerance{}.threshold);
     EXPECT_LE(d.differing_share, ConformanceTolerance{}.differing_share);
   }
 }
@@ -257,7 +257,7 @@ TEST_P(ViewsOnBackend, OfHugeAndTinyModelsTogether) {
 
 // A uniform kappa0 at the reach, a hair below and a hair above it.
 TEST_P(ViewsOnBackend, BesideTheReachAreFinite) {
-  const float rho = reach(*model(), DistanceMetric::euclidean);
+  const float rho = greatest_reach(*model(), DistanceMetric::euclidean);
   for (const float kappa0 : {rho, std::nextafter(rho, 0.0f), std::nextafter(rho, 9.0f), 0.9999f * rho, 1.0001f * rho}) {
     ViewCase scene = view_case("beside", {0.4, -0.5, 0.6}, middle);
     scene.radii.rule = RadiiRule::uniform;
@@ -328,7 +328,7 @@ TEST_F(ViewGuarantees, EndJustBelowTheReach) {
     RadiiConfig config;
     config.rule = RadiiRule::uniform;
     config.metric = metric;
-    const float rho = reach(*model(), metric);
+    const float rho = greatest_reach(*model(), metric);
     std::vector<float> around{rho, std::nextafter(rho, 0.0f), std::nextafter(rho, 9.0f)};
     for (const float by : {1e-6f, 4e-6f, 1e-5f, 2e-5f, 1e-4f})
       around.insert(around.end(), {rho * (1 - by), rho * (1 + by)});

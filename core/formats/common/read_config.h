@@ -3,8 +3,8 @@
 //
 // A reader begins at the current offset and ends with the mesh. It allocates no memory for a declared count that the
 // remaining bytes cannot hold, and checks every index against the number of vertices. Coordinates that are not finite
-// are read as they are. Polygons are cut within themselves (core/mesh/polygons.h); faces of fewer than three corners are
-// dropped and counted. Anything that ReadConfig does not ask for is skipped. An error in attributes or materials
+// are read as they are. Polygons are cut within themselves (core/mesh/polygons.h); faces of fewer than three corners
+// are dropped and counted. Anything that ReadConfig does not ask for is skipped. An error in attributes or materials
 // alone, such as a missing image, is a warning in the mesh.
 //
 // All readers throw InputError for a malformed or truncated file, with the line or the element and byte offset;
@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/files/scalar.h"
+#include "core/files/scalar_type.h"
 #include "core/mesh/up_axis.h"
 
 namespace lodestone {

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf_meshopt.h"
 #include "core/formats/gltf/gltf_surface.h"
+#include "core/math/affine.h"
 
 namespace lodestone {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/files/byte_reader.h"
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_view.h"
 #include "core/formats/common/read_config.h"
 
 namespace lodestone {

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "core/files/byte_reader.h"
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_companions.h"
+#include "core/formats/common/mesh_view.h"
 #include "core/formats/common/read_config.h"
 
 namespace lodestone {

@@ -7,9 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "core/files/atomic_file.h"
 #include "core/files/byte_reader.h"
 #include "core/files/scalar.h"
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_view.h"
 
 namespace lodestone {
 

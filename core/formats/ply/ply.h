@@ -7,7 +7,8 @@
 
 #include "core/files/byte_reader.h"
 #include "core/files/scalar.h"
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_companions.h"
+#include "core/formats/common/mesh_view.h"
 #include "core/formats/common/read_config.h"
 
 namespace lodestone {

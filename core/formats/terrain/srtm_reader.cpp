@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/scalar.h"
 #include "core/files/text_scanner.h"
 #include "core/formats/terrain/height_grid.h"
 

@@ -7,9 +7,11 @@
 
 #include "core/base/error.h"
 #include "core/files/json.h"
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_companions.h"
+#include "core/formats/common/mesh_view.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
+#include "core/math/affine.h"
 #include "core/math/round_up.h"
 #include "core/texture/image_codec.h"
 

@@ -10,6 +10,7 @@
 #include "core/math/round_up.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/activation.h"
+#include "core/progressive/mesh/octahedral_layout.h"
 #include "core/texture/colour.h"
 
 namespace lodestone {

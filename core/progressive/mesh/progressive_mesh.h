@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "core/mesh/tangents.h"
-#include "core/progressive/mesh/octahedral_layout.h"
 
 namespace lodestone {
 
@@ -19,6 +17,21 @@ struct GeometryTexture {
   Vec3d origin;
   double step = 1;  // greater than 0
   friend bool operator==(const GeometryTexture&, const GeometryTexture&) = default;
+};
+
+// So many squares of equal sides, powers of two in texels.
+struct SquareRun {
+  std::uint32_t side = 0, count = 0;
+  friend bool operator==(const SquareRun&, const SquareRun&) = default;
+};
+
+// Without squares: one image. With squares: an atlas of small ones (core/spherical/octahedron/square_atlas.h), a power
+// of two along its side. Its squares follow each other along a Morton curve, larger ones first. Images of the same
+// layout may have other sizes: all lengths are in proportion.
+struct OctahedralLayout {
+  std::uint32_t side = 0;  // of an atlas, texels
+  std::vector<SquareRun> squares{};
+  friend bool operator==(const OctahedralLayout&, const OctahedralLayout&) = default;
 };
 
 // Vertices are stored in the order in which they come in: a level is the first so many of them, and the triangles with

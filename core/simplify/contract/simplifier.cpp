@@ -13,7 +13,7 @@ constexpr std::array<std::string_view, 2> names{"optimal", "endpoint"};
 
 }  // namespace
 
-Placement placement(std::string_view name) {
+Placement placement_named(std::string_view name) {
   for (std::uint32_t k = 0; k < names.size(); ++k)
     if (name == names[k]) return static_cast<Placement>(k);
   throw InputError(describe("", "", "unknown placement '" + std::string(name) + "'",

@@ -74,7 +74,7 @@ class Simplifier {
 
 // The positions of survivors: those of the input, or moved once to the minimum of their quadric.
 enum class Placement : std::uint32_t { optimal = 0, endpoint = 1 };
-[[nodiscard]] Placement placement(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] Placement placement_named(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(Placement placement);
 
 }  // namespace lodestone

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "core/progressive/mesh/octahedral_layout.h"
+#include "core/progressive/mesh/progressive_mesh.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/texture/downsample.h"

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/spatial/mesh_distance.h"
+#include "core/spatial/surface_samples.h"
 #include "core/spherical/resample/surface_source.h"
 #include "core/texture/downsample.h"
 

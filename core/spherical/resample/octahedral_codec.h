@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/progressive/mesh/octahedral_layout.h"
+#include "core/progressive/mesh/progressive_mesh.h"
 #include "core/texture/downsample.h"
 
 namespace lodestone::spherical {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "core/spatial/surface_samples.h"
+#include "core/spatial/triangle_bvh.h"
 #include "experiments/metrics/cost/order_statistics.h"
 
 namespace lodestone {

@@ -10,6 +10,7 @@
 #include "core/progressive/mesh/level.h"
 #include "core/spatial/mesh_distance.h"
 #include "core/spatial/point_triangle.h"
+#include "core/spatial/surface_samples.h"
 #include "core/texture/image_codec.h"
 #include "experiments/metrics/geometry/level_on_texture.h"
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "parallel/scheduler/scheduler.h"
 #include "render/backends/gl/device/context.h"
 #include "render/frame/renderer.h"
 

@@ -101,7 +101,7 @@ float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel
                float least) {
   const PositionMap& map = *view.map;
   const Vec3f point = from.position[pixel];
-  const WindowPoint w = project(map.view, to_double(point));
+  const WindowPoint w = to_window(map.view, to_double(point));
   const double fx = w.x - 0.5, fy = w.y - 0.5;
   if (!(fx >= 0) || !(fy >= 0) || fx >= map.view.width - 1 || fy >= map.view.height - 1) return -1;
   const auto x = static_cast<std::size_t>(fx), y = static_cast<std::size_t>(fy);

@@ -124,7 +124,7 @@ void FreeSpace::make_levels(std::size_t view) {
 FreeSpace::Footprint FreeSpace::footprint(const MapView& view, const Box3f& box) const {
   Footprint print;
   for (unsigned k = 0; k < 8; ++k) {
-    const WindowPoint w = project(
+    const WindowPoint w = to_window(
         view, to_double(Vec3f{k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z}));
     print.x0 = std::min(print.x0, w.x), print.x1 = std::max(print.x1, w.x);
     print.y0 = std::min(print.y0, w.y), print.y1 = std::max(print.y1, w.y);
@@ -175,7 +175,7 @@ FreeSpace::State FreeSpace::classify(const Box3f& box, std::vector<ViewNumber>& 
 }
 
 double FreeSpace::distance_in(const PositionMap& map, Vec3d p) const {
-  const WindowPoint w = project(map.view, p);
+  const WindowPoint w = to_window(map.view, p);
   const double fx = std::floor(w.x - 0.5), fy = std::floor(w.y - 0.5);
   if (fx < -1 || fy < -1 || fx >= map.view.width || fy >= map.view.height) return reach_;
   const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
@@ -211,7 +211,7 @@ SurfaceHit FreeSpace::nearest(Vec3d p, std::span<const ViewNumber> views) const 
   double least = 1e300;
   for (const ViewNumber v : views) {
     const PositionMap& map = maps_[v];
-    const WindowPoint w = project(map.view, p);
+    const WindowPoint w = to_window(map.view, p);
     if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) continue;
     const std::size_t i = index_of(map, static_cast<int>(w.x), static_cast<int>(w.y));
     if (!map.sees(i) || is_back(map, i)) continue;

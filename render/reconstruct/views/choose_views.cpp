@@ -53,7 +53,7 @@ std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t 
 // How well a map sees a point: the cosine between surface and view; 0 when it does not. `own`: the point's triangle in
 // the mesh of the map.
 float cosine_in(const PositionMap& map, const SurfacePoint& sample, std::uint32_t own) {
-  const WindowPoint w = project(map.view, sample.point);
+  const WindowPoint w = to_window(map.view, sample.point);
   if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) return 0;
   const std::size_t i =
       static_cast<std::size_t>(w.y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(w.x);

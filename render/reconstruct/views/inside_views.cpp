@@ -108,7 +108,7 @@ class InsideChoice {
 }  // namespace
 
 bool holds_sample(const PositionMap& map, const SurfacePoint& sample) {
-  const WindowPoint w = project(map.view, sample.point);
+  const WindowPoint w = to_window(map.view, sample.point);
   const double fx = w.x - 0.5, fy = w.y - 0.5;
   if (!(fx >= 0) || !(fy >= 0) || fx >= map.view.width - 1 || fy >= map.view.height - 1) return false;
   const auto width = static_cast<std::size_t>(map.view.width);

@@ -43,7 +43,7 @@ Admissibility admissibility(std::span<const Hierarchy* const> models, const View
   const RadiiConfig config = radii_config(settings, metric);
   Admissibility result;
   for (const Hierarchy* model : models) {
-    result.least_kappa0 = std::max(result.least_kappa0, reach(*model, metric) + 3 * config.delta);
+    result.least_kappa0 = std::max(result.least_kappa0, greatest_reach(*model, metric) + 3 * config.delta);
     result.admissible =
         result.admissible && (config.rule != RadiiRule::uniform || make_radii(*model, config).admissible);
   }

@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "core/formats/mesh_reader.h"
 #include "tests/core/mesh/wedge_checks.h"
 #include "tests/expect_error.h"
 #include "tests/test_folder.h"

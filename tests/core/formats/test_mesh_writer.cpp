@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/files/scalar.h"
 #include "core/formats/mesh_file.h"
 #include "tests/expect_error.h"
 #include "tests/test_folder.h"

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/mesh_file.h"
+#include "core/math/affine.h"
 #include "core/mesh/up_axis.h"
 #include "tests/core/formats/gltf_test_util.h"
 #include "tests/test_folder.h"

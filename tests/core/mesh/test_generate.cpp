@@ -115,7 +115,7 @@ TEST(Generate, SeedChangesShapeNotConnectivity) {
 TEST(Generate, RefusesNumbersOutOfRange) {
   EXPECT_THROW((void)generate_mesh({Shape::sphere, 11, 1}), InputError);
   EXPECT_THROW(GeneratedSurface({Shape::sphere, 3'000'000'000, 1}), InputError);
-  EXPECT_THROW((void)shape("cube"), InputError);
+  EXPECT_THROW((void)shape_named("cube"), InputError);
 }
 
 }  // namespace

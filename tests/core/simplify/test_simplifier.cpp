@@ -207,8 +207,8 @@ TEST(Placement, OptimalIsKnownToQuadricAlone) {
 }
 
 TEST(Placement, IsReadBothWays) {
-  for (const Placement p : {Placement::optimal, Placement::endpoint}) EXPECT_EQ(placement(name_of(p)), p);
-  EXPECT_THROW((void)placement("middle"), InputError);
+  for (const Placement p : {Placement::optimal, Placement::endpoint}) EXPECT_EQ(placement_named(name_of(p)), p);
+  EXPECT_THROW((void)placement_named("middle"), InputError);
 }
 
 // As sets of corners, each triangle from its least corner on.

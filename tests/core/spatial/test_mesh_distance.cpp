@@ -8,6 +8,9 @@
 
 #include "core/base/error.h"
 #include "core/spatial/mesh_distance.h"
+#include "core/spatial/point_triangle.h"
+#include "core/spatial/surface_samples.h"
+#include "core/spatial/triangle_bvh.h"
 #include "parallel/mesh/compare.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/files/json_view.h"
+#include "core/progressive/mesh/octahedral_layout.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/octahedron/square_atlas.h"
 #include "tests/core/spherical/sphere_checks.h"

@@ -90,7 +90,7 @@ TEST(Adversary, ComesCloseToTheReach) {
     SCOPED_TRACE(named.name);
     const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
     for (const DistanceMetric metric : both_metrics) {
-      const float rho = reach(built.hierarchy, metric);
+      const float rho = greatest_reach(built.hierarchy, metric);
       float best = 0;
       for (const AdversarialView& v : adversarial_views(built.hierarchy, uniform_radii(built.hierarchy, metric, rho)))
         best = std::max(best, v.reach);

@@ -37,7 +37,7 @@ TEST(Cracks, NoneInAdmissibleViews) {
     Subject subject(named.mesh);
     for (const DistanceMetric metric : both_metrics)
       for (const bool uniform : {false, true}) {
-        const float rho = reach(subject.hierarchy(), metric);
+        const float rho = greatest_reach(subject.hierarchy(), metric);
         const Radii radii = uniform ? uniform_radii(subject.hierarchy(), metric, rho * 1.0001f)
                                     : per_level_radii(subject.hierarchy(), metric);
         ASSERT_TRUE(radii.admissible);
@@ -66,7 +66,8 @@ TEST(Cracks, FastFormsEqualTheirSlowTwins) {
     std::uint64_t cracked = 0, whole = 0;
     for (const DistanceMetric metric : both_metrics)
       for (const float share : {0.3f, 0.999f, 1.001f}) {
-        const Radii radii = uniform_radii(subject.hierarchy(), metric, share * reach(subject.hierarchy(), metric));
+        const Radii radii =
+            uniform_radii(subject.hierarchy(), metric, share * greatest_reach(subject.hierarchy(), metric));
         for (const Vec3f view : views_of(subject.hierarchy(), radii, 2, 3)) {
           const Frame frame = make_frame(subject.hierarchy(), radii, Blend::smoothstep, view);
           expect_twins_agree(subject, frame);
@@ -84,7 +85,7 @@ TEST(Cracks, AppearBelowTheReach) {
     SCOPED_TRACE(named.name);
     Subject subject(named.mesh);
     for (const DistanceMetric metric : both_metrics) {
-      const Radii wide = uniform_radii(subject.hierarchy(), metric, 2 * reach(subject.hierarchy(), metric));
+      const Radii wide = uniform_radii(subject.hierarchy(), metric, 2 * greatest_reach(subject.hierarchy(), metric));
       float best = 0;
       for (const AdversarialView& view : adversarial_views(subject.hierarchy(), wide))
         best = std::max(best, view.reach);
@@ -116,7 +117,7 @@ TEST(Cracks, AStaleSelectionNeedsTheGuard) {
         config.rule = RadiiRule::uniform;
         config.metric = metric;
         config.delta = guarded ? delta : 0;
-        config.kappa0 = 1.0001f * (reach(subject.hierarchy(), metric) + 3 * config.delta);
+        config.kappa0 = 1.0001f * (greatest_reach(subject.hierarchy(), metric) + 3 * config.delta);
         const Radii radii = make_radii(subject.hierarchy(), config);
         ASSERT_TRUE(radii.admissible);
         const std::uint64_t open = open_edges_when_stale(subject, radii, 24, delta);
@@ -140,7 +141,7 @@ TEST(Cracks, TheRootAloneIsWhole) {
 TEST(Cracks, GapsInPixelsEqualTheirSlowTwin) {
   Subject subject(torus_mesh(28));
   const Hierarchy& h = subject.hierarchy();
-  const Radii radii = uniform_radii(h, DistanceMetric::euclidean, 0.3f * reach(h, DistanceMetric::euclidean));
+  const Radii radii = uniform_radii(h, DistanceMetric::euclidean, 0.3f * greatest_reach(h, DistanceMetric::euclidean));
   std::uint64_t seen = 0, hidden = 0;
   for (const AdversarialView& view : adversarial_views(h, radii)) {
     const Frame frame = make_frame(h, radii, Blend::linear, view.viewpoint);
@@ -168,7 +169,7 @@ TEST(Cracks, GapsInPixelsEqualTheirSlowTwin) {
 TEST(Cracks, AreTheSameForAnyNumberOfWorkers) {
   Subject subject(sphere_mesh(16));
   const Radii radii = uniform_radii(subject.hierarchy(), DistanceMetric::euclidean,
-                                    0.3f * reach(subject.hierarchy(), DistanceMetric::euclidean));
+                                    0.3f * greatest_reach(subject.hierarchy(), DistanceMetric::euclidean));
   const Vec3f view = adversarial_views(subject.hierarchy(), radii).front().viewpoint;
   const Frame frame = make_frame(subject.hierarchy(), radii, Blend::cosine, view);
   const CrackReport cracks = subject.cracks(frame);

@@ -7,6 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
+#include "core/spatial/point_triangle.h"
+#include "core/spatial/surface_samples.h"
 #include "experiments/metrics/drawn/position_resolution.h"
 #include "experiments/metrics/geometry/geometry_error.h"
 #include "experiments/studies/study_input.h"

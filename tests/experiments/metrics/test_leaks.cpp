@@ -219,7 +219,7 @@ TEST(Leaks, TellsTheOutlineFromCracks) {
 TEST(Leaks, AgreeWithTheCracksOfFrames) {
   Subject subject(sphere_mesh(16));
   const Hierarchy& h = subject.hierarchy();
-  const float rho = reach(h, DistanceMetric::euclidean);
+  const float rho = greatest_reach(h, DistanceMetric::euclidean);
   std::uint64_t torn = 0, leaking = 0;
   for (const float share : {1.1f, 0.3f}) {
     const Radii radii = uniform_radii(h, DistanceMetric::euclidean, share * rho);

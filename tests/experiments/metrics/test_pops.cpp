@@ -71,8 +71,9 @@ TEST(Pops, StayWithinTheBoundAlongAFlyIn) {
     const std::vector<Vec3f> path = fly_in(built.hierarchy, 60);
     for (const DistanceMetric metric : both_metrics)
       for (const bool uniform : {false, true}) {
-        const Radii radii = uniform ? uniform_radii(built.hierarchy, metric, 1.1f * reach(built.hierarchy, metric))
-                                    : per_level_radii(built.hierarchy, metric);
+        const Radii radii = uniform
+                                ? uniform_radii(built.hierarchy, metric, 1.1f * greatest_reach(built.hierarchy, metric))
+                                : per_level_radii(built.hierarchy, metric);
         ASSERT_TRUE(radii.admissible);
         for (const Blend blend : test::blends_and_own()) {
           const PathPops pops = measure(built.hierarchy, radii, blend, path, 1000);
@@ -89,7 +90,7 @@ TEST(Pops, EqualTheirSlowTwin) {
   for (const NamedMesh& named : all_meshes()) {
     SCOPED_TRACE(named.name);
     const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
-    const float rho = reach(built.hierarchy, DistanceMetric::euclidean);
+    const float rho = greatest_reach(built.hierarchy, DistanceMetric::euclidean);
     for (const float share : {0.5f, 1.2f})
       measure(built.hierarchy, uniform_radii(built.hierarchy, DistanceMetric::euclidean, share * rho), Blend::cosine,
               fly_in(built.hierarchy, 6), 1);
@@ -107,7 +108,7 @@ TEST(Pops, StayWithinTheBoundOverBigSteps) {
     const std::vector<Vec3f> path = random_viewpoints(built.hierarchy, 60, 4);
     std::set<int> exchanged;
     for (const DistanceMetric metric : both_metrics) {
-      const Radii radii = uniform_radii(built.hierarchy, metric, 1.02f * reach(built.hierarchy, metric));
+      const Radii radii = uniform_radii(built.hierarchy, metric, 1.02f * greatest_reach(built.hierarchy, metric));
       for (const Blend blend : {Blend::linear, Blend::smoothstep, Blend::early}) {
         const PathPops pops = measure(built.hierarchy, radii, blend, path, 1000);
         EXPECT_LE(pops.jump_over_bound, 1);
@@ -125,7 +126,7 @@ TEST(Pops, ExchangesOfLevelsAreInvisible) {
     const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
     const auto scheduler = make_serial_scheduler();
     for (const DistanceMetric metric : both_metrics) {
-      const Radii radii = uniform_radii(built.hierarchy, metric, 1.05f * reach(built.hierarchy, metric));
+      const Radii radii = uniform_radii(built.hierarchy, metric, 1.05f * greatest_reach(built.hierarchy, metric));
       std::size_t exchanged = 0;
       for (const AdversarialView& view : adversarial_views(built.hierarchy, radii, {.count = 9, .slack = 1e-6f})) {
         const Frame before = make_frame(built.hierarchy, radii, Blend::smoothstep, view.viewpoint);
@@ -152,8 +153,9 @@ TEST(Pops, StayWithinTheBoundWhileTheRadiiChange) {
     for (const DistanceMetric metric : both_metrics)
       for (const bool uniform : {false, true}) {
         const auto radii_of_size = [&](float size) {
-          return uniform ? uniform_radii(built.hierarchy, metric, size * 1.05f * reach(built.hierarchy, metric))
-                         : per_level_radii(built.hierarchy, metric, size * 0.5f);
+          return uniform
+                     ? uniform_radii(built.hierarchy, metric, size * 1.05f * greatest_reach(built.hierarchy, metric))
+                     : per_level_radii(built.hierarchy, metric, size * 0.5f);
         };
         double largest_at_rest = 0;
         for (std::size_t i = 1; i < path.size(); ++i) {
@@ -229,7 +231,7 @@ TEST(Pops, OneLevelHasNothingToBound) {
 TEST(Pops, InadmissibleRadiiHaveNoBound) {
   const NaiveHierarchy built = naive_hierarchy(sphere_mesh(16), finest, sigma0);
   const Radii radii = uniform_radii(built.hierarchy, DistanceMetric::euclidean,
-                                    0.5f * reach(built.hierarchy, DistanceMetric::euclidean));
+                                    0.5f * greatest_reach(built.hierarchy, DistanceMetric::euclidean));
   const PathPops pops = measure(built.hierarchy, radii, Blend::linear, fly_in(built.hierarchy, 60), 1000);
   EXPECT_GT(pops.max_jump, 1e-3);
 }

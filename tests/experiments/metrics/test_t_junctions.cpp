@@ -130,7 +130,7 @@ TEST(TJunctions, AppearWhereLevelsMeetWithoutMorph) {
   const NaiveHierarchy built = naive_hierarchy(terrain_mesh(32), 4, 0.6f);
   const auto scheduler = make_serial_scheduler();
   const Radii uniform = uniform_radii(built.hierarchy, DistanceMetric::euclidean,
-                                      1.1f * reach(built.hierarchy, DistanceMetric::euclidean));
+                                      1.1f * greatest_reach(built.hierarchy, DistanceMetric::euclidean));
   ASSERT_TRUE(uniform.admissible);
   Radii still = uniform;
   still.band_begin.assign(still.band_begin.size(), 1e9f);

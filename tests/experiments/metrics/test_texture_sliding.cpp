@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/progressive/mesh/level.h"
 #include "core/spatial/mesh_distance.h"
+#include "core/spatial/surface_samples.h"
 #include "experiments/metrics/geometry/texture_sliding.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/expect_error.h"

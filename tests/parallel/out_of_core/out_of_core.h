@@ -12,6 +12,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "parallel/out_of_core/build_model.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_folder.h"

@@ -11,6 +11,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/simplify/simplifiers.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "tests/parallel/out_of_core/out_of_core.h"
 #include "tests/test_data.h"
 

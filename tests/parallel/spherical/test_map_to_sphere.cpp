@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/base/instruction_set.h"
 #include "core/math/orientation.h"
 #include "parallel/mesh/load.h"
 #include "parallel/spherical/map_to_sphere.h"

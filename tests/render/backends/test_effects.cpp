@@ -36,7 +36,7 @@ TEST_P(EffectConformance, GlDrawsWhatSoftDraws) {
   EXPECT_EQ(drawn.stats.cells, soft.stats.cells);
   EXPECT_EQ(drawn.stats.triangles, soft.stats.triangles);
   expect_conformance(drawn.image, soft.image);
-  const ImageDifference d = difference(drawn.image, soft.image);
+  const ImageDifference d = image_difference(drawn.image, soft.image);
   RecordProperty("differing", std::to_string(d.differing));
   RecordProperty("mean", std::to_string(d.mean_absolute));
 }

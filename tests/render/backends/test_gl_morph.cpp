@@ -183,8 +183,8 @@ INSTANTIATE_TEST_SUITE_P(AllVariants, GlMorphTest,
 TEST_F(GlTest, CracksAreSeenWhereTheRadiiAreInadmissible) {
   const Hierarchy& hierarchy = closed_surface().hierarchy;
   renderer_->upload(hierarchy);
-  const RadiiConfig config =
-      with_kappa0(0.6f * reach(hierarchy, DistanceMetric::euclidean), DistanceMetric::euclidean, RadiiRule::uniform);
+  const RadiiConfig config = with_kappa0(0.6f * greatest_reach(hierarchy, DistanceMetric::euclidean),
+                                         DistanceMetric::euclidean, RadiiRule::uniform);
   std::size_t open = 0;
   for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config))) {
     const Vec3d eye = to_double(view.viewpoint);

@@ -158,7 +158,7 @@ TEST(Layers, DoNotDependOnTheOrderOfModels) {
     const Image image = draw_soft(scene).image;
     EffectScene turned = scene;
     std::ranges::reverse(turned.models);
-    const ImageDifference d = difference(draw_soft(turned).image, image, 1);
+    const ImageDifference d = image_difference(draw_soft(turned).image, image, 1);
     EXPECT_LE(d.differing, 2u);
   }
 }
@@ -169,7 +169,7 @@ TEST(Layers, OfNoOpacityAreNotSeen) {
   without.models.resize(1);
   scene.models[1].appearance.opacity = scene.models[2].appearance.opacity = 0;
   for (EffectScene* s : {&scene, &without}) s->settings.lighting.directional.shadows = false;
-  const ImageDifference d = difference(draw_soft(scene).image, draw_soft(without).image, 0);
+  const ImageDifference d = image_difference(draw_soft(scene).image, draw_soft(without).image, 0);
   EXPECT_EQ(d.differing, 0u);
 }
 
@@ -229,7 +229,7 @@ TEST(Occlusion, DarkensCreasesAndNothingElse) {
   // The ground by itself has no creases.
   scene.models.resize(1);
   open.models.resize(1);
-  const ImageDifference d = difference(draw_soft(scene).image, draw_soft(open).image, 2);
+  const ImageDifference d = image_difference(draw_soft(scene).image, draw_soft(open).image, 2);
   EXPECT_EQ(d.differing, 0u);
 }
 

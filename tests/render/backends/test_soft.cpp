@@ -40,7 +40,7 @@ TEST(Soft, DrawsWhatTheObviousRendererDraws) {
       test::ObviousRenderer obvious;
       const Image expected = draw_scene(small, obvious).image, image = draw_soft(small).image;
       // The same samples are covered; depth and colour differ by the rounding of float alone.
-      const ImageDifference d = difference(image, expected, 1);
+      const ImageDifference d = image_difference(image, expected, 1);
       EXPECT_LE(d.differing_share, 0.001) << name << ": of two surfaces at one depth the other may win";
       for (std::size_t i = 0; i < image.depth.size(); ++i) {
         EXPECT_EQ(image.depth[i] == 1, expected.depth[i] == 1) << name;

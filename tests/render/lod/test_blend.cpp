@@ -54,18 +54,18 @@ TEST_P(EachBlend, KeepsItsLipschitzConstantAndReachesIt) {
   EXPECT_GE(steepest, claimed * (1 - 1e-3));
 }
 
-TEST_P(EachBlend, IsFoundByItsName) { EXPECT_EQ(blend(name_of(GetParam())), GetParam()); }
+TEST_P(EachBlend, IsFoundByItsName) { EXPECT_EQ(blend_named(name_of(GetParam())), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(All, EachBlend, ::testing::ValuesIn(all_blends().begin(), all_blends().end()),
                          [](const auto& instance) { return std::string(name_of(instance.param)); });
 INSTANTIATE_TEST_SUITE_P(Own, EachBlend, ::testing::ValuesIn(test::own_blends()));
 
 TEST(OwnBlend, IsTheSameForTheSameCurve) {
-  const Blend own = blend("table:0,0.5,1");
+  const Blend own = blend_named("table:0,0.5,1");
   EXPECT_EQ(own_blend({BlendCurve::Kind::table, {0, 0.5f, 1}}), own);
-  EXPECT_EQ(blend("table:0.0,5e-1,1"), own);
+  EXPECT_EQ(blend_named("table:0.0,5e-1,1"), own);
   EXPECT_EQ(name_of(own), "table:0,0.5,1");
-  EXPECT_NE(blend("table:0,0.25,1"), own);
+  EXPECT_NE(blend_named("table:0,0.25,1"), own);
   EXPECT_EQ(all_blends().size(), 7u);
 }
 
@@ -108,7 +108,7 @@ TEST(OwnBlend, LipschitzConstantsBoundTheSlopesOfManyPolynomials) {
 
 TEST(OwnBlend, OthersAreRefused) {
   const auto refused = [](const std::string& text, const std::string& what) {
-    expect_error_of<InputError>([&] { (void)blend(text); }, {text, what});
+    expect_error_of<InputError>([&] { (void)blend_named(text); }, {text, what});
   };
   refused("table:0", "2 to 65");
   refused("table:", "number");
@@ -135,7 +135,7 @@ TEST(Blend, StepJumps) {
 }
 
 TEST(Blend, UnknownNameIsRefusedWithTheKnownOnes) {
-  expect_error_of<InputError>([] { return blend("smotherstep"); }, {"smootherstep"});
+  expect_error_of<InputError>([] { return blend_named("smotherstep"); }, {"smootherstep"});
 }
 
 }  // namespace

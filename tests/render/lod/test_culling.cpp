@@ -96,7 +96,7 @@ void expect_same(const Drawn& a, const Drawn& b, const std::string& name) {
 // four samples a pixel that has been met, on silhouettes.
 void expect_same_but_for_ties(const Drawn& a, const Drawn& b, const std::string& name) {
   for (std::size_t k = 0; k < a.images.size(); ++k) {
-    const ImageDifference d = difference(a.images[k], b.images[k], 0);
+    const ImageDifference d = image_difference(a.images[k], b.images[k], 0);
     EXPECT_LE(d.differing, 10u) << name << ", frame " << k;
     EXPECT_LE(d.max, 8) << name << ", frame " << k;
     EXPECT_TRUE(a.images[k].depth == b.images[k].depth) << name << ", frame " << k;

@@ -88,7 +88,7 @@ RC_GTEST_PROP(Radii, UniformIsAdmissibleFromRhoOn, ()) {
   const float delta = static_cast<float>(*rc::gen::inRange(0, 300)) * 1e-3f;
   const float rho = static_cast<float>(*rc::gen::inRange(500, 5000)) * 1e-3f;
   const Hierarchy h = levels_with({9, rho, 0.5f * rho, rho, 9});  // neither the root's nor the finest level's count
-  RC_ASSERT(reach(h, DistanceMetric::euclidean) == rho);
+  RC_ASSERT(greatest_reach(h, DistanceMetric::euclidean) == rho);
   const float border = rho + 3 * delta;
   const RadiiConfig above = config_of(RadiiRule::uniform, border * 1.0001f, delta);
   const RadiiConfig below = config_of(RadiiRule::uniform, border * 0.9999f, delta);
@@ -172,7 +172,7 @@ TEST(Radii, ReachOfASmallHierarchyIsItsLargestInnerLevel) {
   const Hierarchy h = test::naive_hierarchy(test::torus_mesh(48, 24), 3).hierarchy;
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev}) {
     const auto m = static_cast<std::size_t>(metric);
-    EXPECT_EQ(reach(h, metric), std::max(h.levels[1].reach[m], h.levels[2].reach[m]));
+    EXPECT_EQ(greatest_reach(h, metric), std::max(h.levels[1].reach[m], h.levels[2].reach[m]));
   }
 }
 

@@ -92,7 +92,7 @@ TEST(PositionMap, HoldsPointsOfTheSurfaceOnTheRaysOfItsPixels) {
     for (std::size_t i = 0; i < view.pixels(); ++i) {
       if (!map.sees(i)) continue;
       ++seen;
-      const WindowPoint w = project(view, to_double(map.position[i]));
+      const WindowPoint w = to_window(view, to_double(map.position[i]));
       // Vertices are snapped for coverage, so that a centre may lie outside by as much; a steep triangle, by its width.
       EXPECT_NEAR(w.x, static_cast<double>(i % static_cast<std::size_t>(view.width)) + 0.5, 0.02);
       EXPECT_NEAR(w.y, static_cast<double>(i / static_cast<std::size_t>(view.width)) + 0.5, 0.02);

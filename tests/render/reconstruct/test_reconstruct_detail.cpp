@@ -8,6 +8,7 @@
 
 #include "core/simplify/simplifiers.h"
 #include "core/spatial/mesh_distance.h"
+#include "core/spatial/point_triangle.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
 #include "render/reconstruct/finish/lost_parts.h"

@@ -164,7 +164,7 @@ TEST_P(ClipDrawn, BackendsFillAlike) {
     EXPECT_FALSE(effects::cut_faces(drawing_.frame(0)).empty());
     drawing_.set_renderer(soft.get());
     (void)drawing_.draw(state_, 0, size);
-    EXPECT_LT(difference(own, soft->read_back()).differing, 60u) << samples;
+    EXPECT_LT(image_difference(own, soft->read_back()).differing, 60u) << samples;
     drawing_.set_renderer(own_.get());
   }
 }

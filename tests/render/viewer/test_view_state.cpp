@@ -119,7 +119,7 @@ TEST(ViewSettings, AreBroughtIntoRange) {
 
 TEST(ViewSettings, InadmissibleValuesAreMarked) {
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev}) {
-    const float rho = reach(torus(), metric);
+    const float rho = greatest_reach(torus(), metric);
     ViewSettings settings;
     settings.by_kappa0 = true;
     settings.rule = RadiiRule::uniform;

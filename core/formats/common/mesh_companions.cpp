@@ -1,4 +1,4 @@
-#include "core/formats/common/mesh_output.h"
+#include "core/formats/common/mesh_companions.h"
 
 #include <algorithm>
 #include <string_view>
@@ -19,32 +19,6 @@ std::string plain_name(std::string name) {
 }
 
 }  // namespace
-
-MeshView view_of(const RawMesh& mesh) {
-  return {mesh.positions.size(),
-          [&mesh](std::size_t i) { return mesh.positions[i]; },
-          mesh.triangles,
-          mesh.wedges.corners.empty() ? &mesh.wedges : nullptr,
-          mesh.materials,
-          mesh.textures,
-          mesh.up};
-}
-
-MeshView view_of(const IndexedMesh& mesh) {
-  return {mesh.positions.size(),
-          [&mesh](std::size_t i) { return mesh.transform.to_model(mesh.positions[i]); },
-          mesh.triangles,
-          nullptr,
-          {},
-          {},
-          mesh.transform.up};
-}
-
-Box3d box_of(const MeshView& mesh) {
-  Box3d box;
-  for (std::size_t i = 0; i < mesh.vertex_count; ++i) box.extend(mesh.position(i));
-  return box;
-}
 
 MeshCompanions::MeshCompanions(const fs::path& mesh)
     : folder_(mesh.parent_path()), stem_(plain_name(mesh.stem().string())) {
