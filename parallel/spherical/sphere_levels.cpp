@@ -74,8 +74,10 @@ int SphereLevels::sweeps_at(std::size_t vertices) const {
   return std::max(config_.sweeps, static_cast<int>(std::min(wanted, most)));
 }
 
+// Around a hub vertices come in one by one: workers would only wait for each other.
 void SphereLevels::for_phases(std::span<const std::size_t> ends, const std::function<void(std::size_t)>& body) {
-  if (!alone_) return run_phases(scheduler_, ends, body);
+  const bool one_by_one = 2 * ends.back() < 3 * ends.size();
+  if (!alone_ && !one_by_one) return run_phases(scheduler_, ends, body);
   for (std::size_t item = 0; item < ends.back(); ++item) body(item);
 }
 
