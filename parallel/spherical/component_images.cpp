@@ -35,6 +35,7 @@ class ImageMaker {
         surfaces_(components.surfaces),
         directions_(components.directions),
         shares_(components.shares),
+        plain_(components.plain),
         config_(config),
         scheduler_(scheduler),
         report_(report) {}
@@ -53,6 +54,7 @@ class ImageMaker {
       if (config_.maps.geometry) add_geometry(k, name);
     }
     if (!small.empty()) add_atlas(small);
+    if (!plain_.triangles.empty()) add_plain();
     sources_ = {};
     report_.geometry_rms = std::sqrt(report_.geometry_rms);
     if (colour_share_ > 0) report_.colour_psnr /= colour_share_;
@@ -83,12 +85,15 @@ class ImageMaker {
     [[nodiscard]] bool looks() const { return colours || normals; }
   };
 
+  void add_used(const Surface& surface, std::set<std::uint32_t>& used) const {
+    for (const std::uint32_t t : surface.source_triangle)
+      if (t != no_source) used.insert(material_of(mesh_, TriangleId(t)));
+  }
+
   // For components that share their images.
   Wanted add_material(std::string name, std::span<const std::size_t> components, OctahedralLayout layout) {
     std::set<std::uint32_t> used;
-    for (const std::size_t k : components)
-      for (const std::uint32_t t : surfaces_[k].source_triangle)
-        if (t != no_source) used.insert(material_of(mesh_, TriangleId(t)));
+    for (const std::size_t k : components) add_used(surfaces_[k], used);
     Wanted wanted;
     if (config_.maps.colour) wanted.others = material_maps(mesh_, used);
     out_.materials.push_back(carried_surface(mesh_, used, wanted.others, report_.left_out_features));
@@ -162,6 +167,19 @@ class ImageMaker {
       fill_rest(atlas, image);
       return image;
     });
+  }
+
+  // They have one material at most.
+  void add_plain() {
+    std::set<std::uint32_t> used;
+    add_used(plain_, used);
+    ImagePlace& place = out_.places.emplace_back();
+    place.material = static_cast<std::uint32_t>(out_.materials.size());
+    out_.materials.push_back(carried_surface(mesh_, used, {}, report_.left_out_features));
+    out_.materials.back().name = "plain";
+    if (const auto colour = plain_colour(used)) out_.materials.back().base_colour = *colour;
+    out_.octahedral.emplace_back();
+    if (config_.maps.normal) out_.object_normals.push_back(no_texture);
   }
 
   // By one worker; the source is loaded.
@@ -355,6 +373,7 @@ class ImageMaker {
   std::span<const Surface> surfaces_;
   std::span<const std::vector<Vec3d>> directions_;
   std::span<const double> shares_;
+  const Surface& plain_;
   const SphericalConfig& config_;
   Scheduler& scheduler_;
   SphericalReport& report_;

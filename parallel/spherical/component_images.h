@@ -17,12 +17,12 @@ namespace lodestone {
 inline constexpr std::uint32_t least_octahedral_side = 16;  // pixels
 
 struct ComponentImages {
-  std::vector<Material> materials;  // one each, but for small components, which share the last
+  std::vector<Material> materials;  // one each, but for small components, which share one, and the plain ones
   std::vector<Texture> textures;
   std::vector<std::uint32_t> object_normals;  // by material: a texture or no_texture
   std::vector<GeometryTexture> geometry_images;
   std::vector<std::optional<OctahedralLayout>> octahedral;  // by material
-  std::vector<spherical::ImagePlace> places;                // by component
+  std::vector<spherical::ImagePlace> places;                // by component; at the end of the plain ones, if any
 };
 
 // Components of `mesh`, mapped to the sphere.
@@ -30,7 +30,8 @@ struct MappedComponents {
   const IndexedMesh& mesh;
   std::span<const spherical::Surface> surfaces;
   std::span<const std::vector<Vec3d>> directions;
-  std::span<const double> shares;  // of the area
+  std::span<const double> shares;   // of the area
+  const spherical::Surface& plain;  // further ones, without images (plain_parts.h)
 };
 
 // The images that config.maps asks for, with those of colours also the other images that the materials need

@@ -11,6 +11,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/scheduler/runner.h"
 #include "parallel/spherical/component_images.h"
+#include "parallel/spherical/plain_parts.h"
 
 namespace lodestone {
 namespace {
@@ -43,7 +44,7 @@ class Maker {
     config_.on_phase("resampling");
     std::vector<double> shares;
     for (std::size_t k = 0; k < surfaces_.size(); ++k) shares.push_back(share(k));
-    images_ = make_component_images({mesh_, surfaces_, directions_, shares}, config_, scheduler_, report_);
+    images_ = make_component_images({mesh_, surfaces_, directions_, shares, plain_}, config_, scheduler_, report_);
     unfold_all();
     return collapse();
   }
@@ -61,8 +62,11 @@ class Maker {
     surfaces_ = std::move(spheres.surfaces);
     report_.topology = spheres.report;
     report_.closing = clock.elapsed();
-    for (const Surface& surface : surfaces_) areas_.push_back(area_of(surface));
     keep_largest();
+    const std::size_t count = surfaces_.size();
+    plain_ = take_plain_parts(mesh_, config_.maps, surfaces_);
+    report_.plain = count - surfaces_.size();
+    for (const Surface& surface : surfaces_) areas_.push_back(area_of(surface));
     for (const double area : areas_) whole_area_ += area;
   }
 
@@ -70,17 +74,17 @@ class Maker {
   void keep_largest() {
     const std::size_t count = surfaces_.size();
     if (config_.components == 0 || count <= config_.components) return;
+    std::vector<double> areas;
+    for (const Surface& surface : surfaces_) areas.push_back(area_of(surface));
     std::vector<std::size_t> kept(count);
     std::iota(kept.begin(), kept.end(), std::size_t{0});
-    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return areas_[a] > areas_[b]; });
+    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return areas[a] > areas[b]; });
     kept.resize(config_.components);
     std::sort(kept.begin(), kept.end());
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      if (kept[k] == k) continue;  // no move to itself
-      surfaces_[k] = std::move(surfaces_[kept[k]]);
-      areas_[k] = areas_[kept[k]];
+      if (kept[k] != k) surfaces_[k] = std::move(surfaces_[kept[k]]);  // no move to itself
     }
-    surfaces_.resize(kept.size()), areas_.resize(kept.size());
+    surfaces_.resize(kept.size());
     report_.left_out = count - kept.size();
   }
 
@@ -153,6 +157,10 @@ class Maker {
   ProgressiveMesh collapse() {
     config_.on_phase("collapsing");
     const CpuClock clock;
+    if (!plain_.triangles.empty()) {
+      unfoldings_.push_back(plain_unfolding(plain_));
+      surfaces_.push_back(std::move(plain_));
+    }
     RawMesh raw = assemble(mesh_, surfaces_, unfoldings_, images_.places);
     raw.materials = std::move(images_.materials);
     raw.textures = std::move(images_.textures);
@@ -177,6 +185,7 @@ class Maker {
   Scheduler& scheduler_;
   SphericalReport& report_;
   std::vector<Surface> surfaces_;
+  Surface plain_;              // components without images
   std::vector<double> areas_;  // of what has a source, by surface
   double whole_area_ = 0;
   std::vector<std::vector<Vec3d>> directions_;

@@ -35,6 +35,7 @@ struct SphericalConfig {
 struct SphericalReport {
   spherical::TopologyReport topology;
   std::uint64_t left_out = 0;  // components of those
+  std::uint64_t plain = 0;     // likewise, without images; figures of maps and images are of the others
   SphereMapReport map;    // of all components: times and counts are sums; map.map has all stages of small components
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;
@@ -60,6 +61,7 @@ struct SphericalReport {
 // than 1/256 of the area, and those that the images would show few triangles of (component_images.h), share one
 // material and its images, an atlas no larger than the largest component's images as far as 16 texels for each allow
 // (core/spherical/octahedron/square_atlas.h), unless there are geometry images, each of which is that of one component.
+// Many components of a few triangles, of which images would show nothing, are not mapped (plain_parts.h).
 // The result depends on the mesh and the configuration alone. Throws what these parts throw.
 [[nodiscard]] ProgressiveMesh make_spherical(const IndexedMesh& mesh, const SphericalConfig& config,
                                              Scheduler& scheduler, SphericalReport& report);

@@ -18,6 +18,8 @@ constexpr std::size_t border_vertices = 256;  // of a block
 constexpr std::size_t few_vertices = 4096;    // one worker is done with them before others have come
 constexpr int first_sweeps = 2;               // of vertices that have just come in
 constexpr int sweeps_in_tile = 2;
+// Neighbours of a hub hardly move it, and come in one by one: each would sweep all of them again.
+constexpr std::uint32_t most_relaxed = 64;
 
 // Tiles fit into the cache with their blocks, and are several for each worker. A small level is one, and has no
 // borders, which slow down the way of what the sweeps even out.
@@ -72,8 +74,10 @@ int SphereLevels::sweeps_at(std::size_t vertices) const {
   return std::max(config_.sweeps, static_cast<int>(std::min(wanted, most)));
 }
 
+// Around a hub vertices come in one by one: workers would only wait for each other.
 void SphereLevels::for_phases(std::span<const std::size_t> ends, const std::function<void(std::size_t)>& body) {
-  if (!alone_) return run_phases(scheduler_, ends, body);
+  const bool one_by_one = 2 * ends.back() < 3 * ends.size();
+  if (!alone_ && !one_by_one) return run_phases(scheduler_, ends, body);
   for (std::size_t item = 0; item < ends.back(); ++item) body(item);
 }
 
@@ -104,7 +108,8 @@ void SphereLevels::relax_rings(std::span<const VertexSplit> wave) {
   std::vector<std::pair<std::uint8_t, Id>> moving;
   for (const VertexSplit& s : wave) {
     moving.emplace_back(colours_[s.vertex], s.vertex);
-    for (const Id x : rings_.ring(s.vertex).neighbours()) moving.emplace_back(colours_[x], x);
+    for (const Id x : rings_.ring(s.vertex).neighbours())
+      if (rings_.ring(x).size <= most_relaxed) moving.emplace_back(colours_[x], x);
   }
   std::sort(moving.begin(), moving.end());
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());

@@ -44,13 +44,19 @@ struct alignas(64) Ring {
   [[nodiscard]] std::uint32_t next(std::uint32_t k) const { return k + 1 < size ? k + 1 : 0; }
   [[nodiscard]] std::uint32_t previous(std::uint32_t k) const { return k > 0 ? k - 1 : size - 1; }
   [[nodiscard]] std::uint32_t sectors() const { return size - open; }
-  // The size, if there is no such neighbour. Eight at a time, since its place cannot be predicted.
+  // The size, if there is no such neighbour. Eight at a time, since its place cannot be predicted; thirty-two of a hub
+  // of thousands.
   [[nodiscard]] std::uint32_t find(Id id) const {
-    const unsigned found = bits(load<Int8>(ids) == ints8(static_cast<std::int32_t>(id)));
-    if (found != 0) return std::min(static_cast<std::uint32_t>(std::countr_zero(found)), size);
-    std::uint32_t k = 8;
-    while (k < size && ids[k] != id) ++k;
-    return std::min(k, size);
+    const Int8 wanted = ints8(static_cast<std::int32_t>(id));
+    const auto are = [&](std::uint32_t k) { return bits(load<Int8>(ids + k) == wanted); };
+    std::uint32_t k = 0;
+    do {
+      if (const unsigned found = are(k); found != 0)
+        return std::min(k + static_cast<std::uint32_t>(std::countr_zero(found)), size);
+      k += 8;
+      while (k + 32 <= size && (are(k) | are(k + 8) | are(k + 16) | are(k + 24)) == 0) k += 32;
+    } while (k < size);
+    return size;
   }
   [[nodiscard]] Id& wedge(std::uint32_t k) const { return ids[capacity + k]; }
   [[nodiscard]] std::span<const Id> neighbours() const { return {ids, size}; }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/spherical/octahedron/rough_square.h"
+
 namespace lodestone::spherical {
 namespace {
 
@@ -91,7 +93,8 @@ SphereRaster::Box SphereRaster::box_of(std::span<const Vec3d> corners, std::span
     const double margin = bend * (arc / pieces) * (arc / pieces) + 1e-12;
     extend(places[k], margin);
     extend(places[(k + 1) % corners.size()], margin);
-    for (double p = 1; p < pieces; ++p) extend(square_point((1 - p / pieces) * a + (p / pieces) * b, octant), margin);
+    for (double p = 1; p < pieces; ++p)
+      extend(rough_square_point((1 - p / pieces) * a + (p / pieces) * b, octant), margin + rough_square_error);
   }
   const double scale = grid_.placing == SampleGrid::Placing::in_cells ? grid_.n : grid_.n - 1.0;
   const double shift = grid_.placing == SampleGrid::Placing::in_cells ? 0.5 : 0.0;

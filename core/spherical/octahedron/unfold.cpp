@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/spherical/octahedron/rough_square.h"
 
 namespace lodestone::spherical {
 namespace {
@@ -26,10 +27,10 @@ int side_of(Vec3d p, Vec3d a, Vec3d b) {
 }
 
 // `copy` as in Quarters below.
-SquarePoint place_of(Vec3d d, std::uint32_t copy) {
-  return square_point(
-      d, {d.x < 0 || (copy & 1u) != 0 ? -1.0 : 1.0, d.y < 0 || (copy & 2u) != 0 ? -1.0 : 1.0, d.z < 0 ? -1.0 : 1.0});
+Octant octant_of_copy(Vec3d d, std::uint32_t copy) {
+  return {d.x < 0 || (copy & 1u) != 0 ? -1.0 : 1.0, d.y < 0 || (copy & 2u) != 0 ? -1.0 : 1.0, d.z < 0 ? -1.0 : 1.0};
 }
+SquarePoint place_of(Vec3d d, std::uint32_t copy) { return square_point(d, octant_of_copy(d, copy)); }
 
 class Cutter {
  public:
@@ -65,7 +66,9 @@ class Cutter {
   bool insert_into(std::uint32_t triangle, Vec3d p);
   void split_edge(std::uint32_t a, std::uint32_t b, Vec3d p);
   std::optional<std::uint32_t> middle_of(std::uint32_t a, std::uint32_t b, double Vec3d::*coordinate);
-  [[nodiscard]] double bend(std::uint32_t a, std::uint32_t b) const;
+  template <class PointOf>
+  [[nodiscard]] double bend(std::uint32_t a, std::uint32_t b, const PointOf& point_of) const;
+  [[nodiscard]] bool is_bent(std::uint32_t a, std::uint32_t b, double most_bend) const;
   std::optional<std::uint32_t> middle_of_bent(std::uint32_t a, std::uint32_t b, double most_bend);
   template <class MiddleOf>
   bool split_all(const MiddleOf& middle_of);  // true if any edge was split
@@ -183,13 +186,20 @@ std::optional<std::uint32_t> Cutter::middle_of(std::uint32_t a, std::uint32_t b,
 
 // The distance in the square between the middle of an edge as it is drawn and as the image has it; the same for both
 // triangles at the edge, and for both copies of one on the cut.
-double Cutter::bend(std::uint32_t a, std::uint32_t b) const {
+template <class PointOf>
+double Cutter::bend(std::uint32_t a, std::uint32_t b, const PointOf& point_of) const {
   const Vec3d from = out_.directions[a], to = out_.directions[b], middle = from + to;
   const auto place = [&](Vec3d d) {
-    return place_of(d, (d.x == 0 && middle.x < 0 ? 1u : 0u) | (d.y == 0 && middle.y < 0 ? 2u : 0u));
+    return point_of(d, octant_of_copy(d, (d.x == 0 && middle.x < 0 ? 1u : 0u) | (d.y == 0 && middle.y < 0 ? 2u : 0u)));
   };
   const SquarePoint p = place(from), q = place(to), m = place((1 / length(middle)) * middle);
   return std::hypot(m.s - (p.s + q.s) / 2, m.t - (p.t + q.t) / 2);
+}
+
+bool Cutter::is_bent(std::uint32_t a, std::uint32_t b, double most_bend) const {
+  constexpr double error = 3 * rough_square_error;  // two coordinates, of the middle and of the mean of the ends
+  if (bend(a, b, rough_square_point) <= most_bend - error) return false;
+  return bend(a, b, [](Vec3d d, const Octant& octant) { return square_point(d, octant); }) > most_bend;
 }
 
 std::optional<std::uint32_t> Cutter::middle_of_bent(std::uint32_t a, std::uint32_t b, double most_bend) {
@@ -198,7 +208,7 @@ std::optional<std::uint32_t> Cutter::middle_of_bent(std::uint32_t a, std::uint32
   if (squared_length(from - to) < 4 * most_bend * most_bend) return std::nullopt;  // its places are nearer than that
   const std::uint64_t edge = std::uint64_t{a} << 32 | b;
   if (const auto known = middles_.find(edge); known != middles_.end()) return known->second;
-  if (!(bend(a, b) > most_bend)) return std::nullopt;
+  if (!is_bent(a, b, most_bend)) return std::nullopt;
   const std::array<Share, 2> shares{Share{a, 0.5}, Share{b, 0.5}};
   const std::uint32_t m = add((1 / length(from + to)) * (from + to), shares);
   middles_.emplace(edge, m);

@@ -9,6 +9,9 @@ namespace lodestone::spherical {
 namespace {
 
 constexpr std::size_t largest_fan = 12;
+// Rings of half the vertices are three triangles for each vertex of the loop: too many for a long loop that is nearly
+// all there is of the surface.
+constexpr std::size_t long_loop = 1000, long_step = 6;
 
 Id add_vertex(Surface& surface, Vec3d position) {
   surface.positions.push_back(position);
@@ -27,23 +30,23 @@ Vec3d centre_of(const Surface& surface, std::span<const Id> loop) {
   return (1.0 / static_cast<double>(loop.size())) * sum;
 }
 
-// Joins a loop to a smoother one inside with half as many vertices, which is returned.
-std::vector<Id> add_ring(Surface& surface, const std::vector<Id>& loop) {
-  const std::size_t n = loop.size(), m = (n + 1) / 2;
+// Joins a loop to a smoother one inside with one vertex for every `step`, which is returned.
+std::vector<Id> add_ring(Surface& surface, const std::vector<Id>& loop, std::size_t step) {
+  const std::size_t n = loop.size(), m = (n + step - 1) / step;
   const Vec3d centre = centre_of(surface, loop);
-  const double kept = 1 - std::min(0.5, 2 * std::numbers::pi / static_cast<double>(n));
+  const double kept = 1 - std::min(0.5, static_cast<double>(step) * std::numbers::pi / static_cast<double>(n));
   std::vector<Id> inner;
   for (std::size_t k = 0; k < m; ++k) {
-    const auto point = [&](std::size_t i) { return surface.positions[loop[i % n]]; };
-    const Vec3d mean = 0.25 * (point(2 * k) + 2 * point(2 * k + 1) + point(2 * k + 2));
+    const auto point = [&](std::size_t i) { return surface.positions[loop[(step * k + i) % n]]; };
+    Vec3d sum = 0.5 * point(0);
+    for (std::size_t i = 1; i < step; ++i) sum = sum + point(i);
+    const Vec3d mean = (1.0 / static_cast<double>(step)) * (sum + 0.5 * point(step));
     inner.push_back(add_vertex(surface, centre + kept * (mean - centre)));
   }
   for (std::size_t k = 0; k < m; ++k) {
-    const bool has_two = 2 * k + 1 < n;
-    const Id last = loop[has_two ? (2 * k + 2) % n : 0];
-    add_triangle(surface, loop[2 * k], has_two ? loop[2 * k + 1] : last, inner[k]);
-    if (has_two) add_triangle(surface, loop[2 * k + 1], last, inner[k]);
-    add_triangle(surface, last, inner[(k + 1) % m], inner[k]);
+    const std::size_t end = std::min(step * (k + 1), n);
+    for (std::size_t i = step * k; i < end; ++i) add_triangle(surface, loop[i], loop[(i + 1) % n], inner[k]);
+    add_triangle(surface, loop[end % n], inner[(k + 1) % m], inner[k]);
   }
   return inner;
 }
@@ -52,7 +55,8 @@ std::vector<Id> add_ring(Surface& surface, const std::vector<Id>& loop) {
 
 void fill_loop(Surface& surface, std::span<const Id> loop) {
   std::vector<Id> ring(loop.begin(), loop.end());
-  while (ring.size() > largest_fan) ring = add_ring(surface, ring);
+  const std::size_t most = std::max(long_loop, surface.positions.size() / 4);
+  while (ring.size() > largest_fan) ring = add_ring(surface, ring, ring.size() > most ? long_step : 2);
   const Id centre = add_vertex(surface, centre_of(surface, ring));
   for (std::size_t k = 0; k < ring.size(); ++k) add_triangle(surface, ring[k], ring[(k + 1) % ring.size()], centre);
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/spherical/octahedron/octahedral_map.h"
+#include "core/spherical/octahedron/rough_square.h"
 #include "tests/core/spherical/sphere_checks.h"
 
 namespace lodestone::spherical {
@@ -32,6 +33,20 @@ TEST(OctahedralMap, InverseHoldsNearPolesEquatorAndArcs) {
         const Vec3d unit = (1 / length(d)) * d;
         EXPECT_LT(length(direction_of(square_point(d)) - unit), 1e-14);
       }
+}
+
+TEST(OctahedralMap, RoughInverseIsWithinItsError) {
+  test::Numbers number(2);
+  double worst = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const Vec3d d = number.direction();
+    const SquarePoint p = square_point(d), q = rough_square_point(d, octant_of(d));
+    worst = std::max({worst, std::abs(p.s - q.s), std::abs(p.t - q.t)});
+  }
+  EXPECT_LT(worst, rough_square_error);
+  for (const double x : {-1.0, 1.0})  // on the cut, both copies
+    EXPECT_NEAR(rough_square_point({0, 0.6, -0.8}, {x, 1, -1}).s, square_point({0, 0.6, -0.8}, {x, 1, -1}).s,
+                rough_square_error);
 }
 
 // On points whose coordinates and reflections are exact.

@@ -19,59 +19,11 @@
 #include "parallel/spherical/make_spherical.h"
 #include "tests/core/spherical/painted_sphere.h"
 #include "tests/expect_error.h"
+#include "tests/parallel/spherical/made_spherical.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
 namespace {
-
-struct Made {
-  ProgressiveMesh mesh;
-  SphericalReport report;
-};
-
-Made make(const IndexedMesh& mesh, SphericalConfig config = {}, int threads = 1) {
-  Made made;
-  const auto scheduler = threads == 1 ? make_serial_scheduler() : make_tbb_scheduler(threads);
-  made.mesh = make_spherical(mesh, config, *scheduler, made.report);
-  return made;
-}
-
-SphericalConfig small_images() {
-  SphericalConfig config;
-  config.texture = 128;
-  config.media_type = "image/png";
-  config.error_points = 20000;
-  return config;
-}
-
-// By position, as texture coordinates part the surface.
-spherical::SurfaceKind kind_by_position(const ProgressiveMesh& mesh, std::span<const Triangle> triangles) {
-  std::map<std::array<float, 3>, std::uint32_t> number;
-  std::vector<Triangle> welded;
-  for (const Triangle& t : triangles) {
-    Triangle& w = welded.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3f p = mesh.positions[t.v[k]];
-      w.v[k] = number.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(number.size())).first->second;
-    }
-  }
-  return spherical::kind_of(welded, number.size());
-}
-
-double area_of(const std::vector<Vec3f>& positions, std::span<const Triangle> triangles, const Transform& transform) {
-  double area = 0;
-  for (const Triangle& t : triangles) {
-    const auto at = [&](std::size_t k) { return transform.to_model(positions[t.v[k]]); };
-    area += 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
-  }
-  return area;
-}
-
-void expect_square(const ProgressiveMesh& mesh) {
-  for (const Vec2f uv : mesh.wedges.uv) {
-    ASSERT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1) << uv.x << ' ' << uv.y;
-  }
-}
 
 TEST(MakeSpherical, CarriesColoursFromAnAtlas) {
   const PaintedSphere painted = painted_sphere(6);
@@ -346,30 +298,6 @@ TEST(MakeSpherical, KeepsNormalsFinerInPng) {
   EXPECT_GT(fine, make(sphere, config).report.normal_psnr + 3);
 }
 
-// A large and a small sphere.
-IndexedMesh two_spheres() {
-  const IndexedMesh one = sphere_mesh(4);
-  RawMesh raw;
-  for (const double scale : {1.0, 0.2}) {
-    const auto first = static_cast<std::uint32_t>(raw.positions.size());
-    for (const Vec3f p : one.positions) raw.positions.push_back(scale * to_double(p) + Vec3d{2 - 2 * scale, 0, 0});
-    for (const Triangle& t : one.triangles) raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
-  }
-  Repairs repairs;
-  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
-}
-
-TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
-  const Made made = make(two_spheres(), small_images());
-  EXPECT_EQ(made.report.topology.components, 2u);
-  ASSERT_EQ(made.mesh.wedges.materials.size(), 2u);
-  std::vector<std::uint32_t> sides;
-  for (const std::uint32_t texture : made.mesh.object_normals)
-    sides.push_back(image_size(made.mesh.wedges.textures[texture].bytes, "image/png").width);
-  EXPECT_EQ(sides, (std::vector<std::uint32_t>{128, 32}));
-  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
-}
-
 // Colour is stored at half the resolution, which would blur normals.
 TEST(MakeSpherical, StacksNormalsInWebp) {
   const PaintedSphere painted = painted_sphere(6);
@@ -383,73 +311,6 @@ TEST(MakeSpherical, StacksNormalsInWebp) {
   };
   EXPECT_EQ(size_at(90), (PixelSize{128, 384}));
   EXPECT_EQ(size_at(100), (PixelSize{128, 128}));  // nothing is halved without loss
-}
-
-TEST(MakeSpherical, LeavesOutTheSmallestComponents) {
-  SphericalConfig config = small_images();
-  config.components = 1;
-  const Made one = make(two_spheres(), config);
-  EXPECT_EQ(one.report.topology.components, 2u);
-  EXPECT_EQ(one.report.left_out, 1u);
-  EXPECT_EQ(one.mesh.wedges.materials.size(), 1u);
-  EXPECT_EQ(kind_by_position(one.mesh, one.mesh.triangles).components, 1u);
-  config.components = 2;
-  const Made two = make(two_spheres(), config);
-  EXPECT_EQ(two.report.left_out, 0u);
-  EXPECT_NEAR(area_of(one.mesh.positions, one.mesh.triangles, one.mesh.transform) * 1.04,
-              area_of(two.mesh.positions, two.mesh.triangles, two.mesh.transform), 1e-3);
-}
-
-// A large sphere with many small ones around it, of several sizes.
-IndexedMesh sphere_with_crumbs() {
-  RawMesh raw;
-  const auto add = [&](const IndexedMesh& sphere, double scale, Vec3d shift) {
-    const auto first = static_cast<std::uint32_t>(raw.positions.size());
-    for (const Vec3f p : sphere.positions) raw.positions.push_back(scale * to_double(p) + shift);
-    for (const Triangle& t : sphere.triangles)
-      raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
-  };
-  add(sphere_mesh(4), 1, {});
-  for (int k = 0; k < 20; ++k) add(sphere_mesh(k % 3), k % 2 == 0 ? 0.01 : 0.04, {2, 0.1 * k, 0});
-  Repairs repairs;
-  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
-}
-
-TEST(MakeSpherical, SmallComponentsShareTheirImages) {
-  const IndexedMesh mesh = sphere_with_crumbs();
-  const Made made = make(mesh, small_images());
-  EXPECT_EQ(made.report.topology.components, 21u);
-  ASSERT_EQ(made.mesh.wedges.materials.size(), 2u);
-  EXPECT_EQ(made.mesh.object_normals.size(), 2u);
-  EXPECT_EQ(made.report.map.sums.flips, 0u);
-  EXPECT_GT(made.report.normal_psnr, 35);
-  expect_square(made.mesh);
-  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 21u);
-  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).open_edges, 0u);
-  const std::vector<std::byte> bytes = encode_progressive_glb(made.mesh, false);
-  for (const int threads : {2, 3})
-    EXPECT_EQ(encode_progressive_glb(make(mesh, small_images(), threads).mesh, false), bytes);
-  SphericalConfig config = small_images();  // a geometry image is that of one component
-  config.maps.geometry = true;
-  EXPECT_EQ(make(mesh, config).mesh.wedges.materials.size(), 21u);
-}
-
-// All have the same size, and so each would have images of the whole side.
-TEST(MakeSpherical, PartsOfFewTrianglesShareSmallImages) {
-  RawMesh raw;
-  const IndexedMesh one = sphere_mesh(0);
-  for (int k = 0; k < 40; ++k) {
-    const auto first = static_cast<std::uint32_t>(raw.positions.size());
-    for (const Vec3f p : one.positions) raw.positions.push_back(to_double(p) + Vec3d{3.0 * k, 0, 0});
-    for (const Triangle& t : one.triangles) raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
-  }
-  Repairs repairs;
-  SphericalConfig config = small_images();
-  config.texture = 1024;
-  const Made made = make(prepare_mesh(std::move(raw), repairs, *make_serial_scheduler()), config);
-  EXPECT_EQ(made.report.topology.components, 40u);
-  EXPECT_EQ(made.mesh.wedges.materials.size(), 1u);
-  EXPECT_LE(made.report.pixels, 2u * 1024 * 1024);
 }
 
 // Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further
