@@ -22,6 +22,7 @@ inline std::string hierarchy_bytes(const Hierarchy& h) {
     append_bytes(out, c.parents);
     append_bytes(out, c.shared_ids);
     append_bytes(out, c.triangles);
+    append_bytes(out, c.border_errors);
   }
   return out;
 }

@@ -120,11 +120,13 @@ class ErrorMeasurement {
       Level& level = hierarchy_.levels[l];
       float largest = 0;
       for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+        hierarchy_.cells[c].border_errors = {};  // estimates
         hierarchy_.cells[c].error = float_above(moved + errors_[c].bound + distance_rounding);
         largest = std::max(largest, hierarchy_.cells[c].error);
       }
       level.error = largest / cell_size(static_cast<int>(l));
     }
+    hierarchy_.signatures = nullptr;  // theirs are of the old ones
     hierarchy_.provenance.measured_errors = true;
   }
 

@@ -1,6 +1,8 @@
 #include "parallel/hierarchy/save.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -23,7 +25,9 @@ class LodeSaver {
         counts_(source.counts()),
         plain_(plan_lode(source.tables(), counts_)),
         checksums_(counts_.size()),
-        finder_(source.tables()) {}
+        signatures_(source.tables().signatures) {
+    if (!signatures_) finder_.emplace(source.tables());
+  }
 
   std::uint64_t save_plain() {
     std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler_.workers()));
@@ -39,7 +43,7 @@ class LodeSaver {
             checksums_[c] = encode_payload(
                 cell, plain_.short_indices,
                 std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
-            finder_.add(c, cell.positions.subspan(cell.first_shared()));
+            if (finder_) finder_->add(c, cell);
           });
         file_.write_at(offset(chunk.first_cell), bytes);
       });
@@ -83,9 +87,9 @@ class LodeSaver {
           chunks.back().end_cell = CellId(c + 1);
         }
       source_.begin_level(l);
-      finder_.begin_level();
+      if (finder_) finder_->begin_level();
       visit(chunks);
-      finder_.end_level();
+      if (finder_) finder_->end_level();
       if (progress_) progress_(end);
     }
   }
@@ -96,7 +100,7 @@ class LodeSaver {
       const std::size_t before = bytes.size();
       source_.visit(c, [&](const Cell& cell) {
         checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
-        finder_.add(c, cell.positions.subspan(cell.first_shared()));
+        if (finder_) finder_->add(c, cell);
       });
       sizes[c] = bytes.size() - before;
     }
@@ -104,8 +108,8 @@ class LodeSaver {
 
   // Writes the assets after the payloads and the tables before them; returns the size of the file.
   std::uint64_t finish(const LodeLayout& layout) {
-    const Signatures signatures = std::move(finder_).finish();
-    const std::vector<std::byte> assets = encode_assets(source_.tables(), &signatures);
+    if (finder_) signatures_ = std::make_shared<const Signatures>(std::move(*finder_).finish());
+    const std::vector<std::byte> assets = encode_assets(source_.tables(), signatures_.get());
     file_.write_at(layout.payload_end(), assets);
     file_.write_at(0, encode_lode_tables(source_.tables(), counts_, layout, checksums_, assets));
     file_.commit();
@@ -119,7 +123,8 @@ class LodeSaver {
   std::vector<PayloadCounts> counts_;
   LodeLayout plain_;
   std::vector<std::uint64_t> checksums_;
-  SignatureFinder finder_;
+  std::shared_ptr<const Signatures> signatures_;
+  std::optional<SignatureFinder> finder_;  // where the source has none
 };
 
 }  // namespace

@@ -34,15 +34,15 @@ template <class AnyCell, class Visit>
 void CellStore::visit_body(AnyCell& cell, bool for_block, const Visit& visit) const {
   visit(cell.slab.positions), visit(cell.slab.normals), visit(cell.slab.shared_ids);
   visit(cell.slab.uv), visit(cell.slab.colours), visit(cell.slab.materials);
-  visit(cell.triangles);
+  visit(cell.triangles), visit(cell.border_errors);
   if (!for_block) return;
-  visit(cell.ids), visit(cell.vertex_ids), visit(cell.usage);
+  visit(cell.ids), visit(cell.vertex_ids), visit(cell.usage), visit(cell.vertex_errors);
 }
 
 std::uint64_t CellStore::body_bytes(const StoredCell& cell, bool for_block) const {
-  const std::uint64_t payload = plain_bytes(counts_of(cell, false, attributes_));
+  const std::uint64_t payload = plain_bytes(counts_of(cell, false, attributes_)) + cell.border_errors * sizeof(float);
   if (!for_block) return payload;
-  const std::uint64_t words = attributes_.wedges ? 2 : 1;
+  const std::uint64_t words = attributes_.wedges ? 3 : 2;
   return payload + words * cell.vertices * sizeof(std::uint32_t) + cell.shared * sizeof(UsageBox);
 }
 
@@ -51,6 +51,7 @@ void CellStore::put(const CellBuild& cell, bool for_block, StoredCell& stored) {
   stored.vertices = static_cast<std::uint32_t>(cell.vertex_count());
   stored.shared = static_cast<std::uint32_t>(cell.slab.shared_ids.size());
   stored.triangles = static_cast<std::uint32_t>(cell.triangles.size());
+  stored.border_errors = static_cast<std::uint32_t>(cell.border_errors.size());
   std::uint64_t at = stored.body = file_.claim(body_bytes(stored, for_block));
   visit_body(cell, for_block, [&](const auto& array) {
     const std::span<const std::byte> bytes = const_bytes(array);
@@ -70,10 +71,12 @@ void CellStore::get(const StoredCell& stored, bool for_block, CellBuild& cell) c
   static_cast<CellFigures&>(cell) = stored;
   cell.slab.allocate(stored.vertices, stored.shared, stored.triangles, attributes_);
   cell.triangles = cell.slab.triangles;
+  cell.border_errors.resize(stored.border_errors);
   if (for_block) {
     cell.ids.resize(stored.vertices);
     if (attributes_.wedges) cell.vertex_ids.resize(stored.vertices);
     cell.usage.resize(stored.shared);
+    cell.vertex_errors.resize(stored.vertices);
   }
   std::uint64_t at = stored.body;
   visit_body(cell, for_block, [&](auto& array) {

@@ -13,15 +13,15 @@ namespace lodestone {
 // The part of a cell in the file that is kept in memory.
 struct StoredCell : CellFigures {
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
-  std::uint32_t reserved = 0;  // no padding, since it is written as it lies in memory
-  std::uint64_t body = 0;      // offset of what is known when a cell is made
-  std::uint64_t parents = 0;   // offset of P of its vertices, known when its block has run
+  std::uint32_t border_errors = 0;  // their number: none on the finest level
+  std::uint64_t body = 0;           // offset of what is known when a cell is made
+  std::uint64_t parents = 0;        // offset of P of its vertices, known when its block has run
 };
 
 [[nodiscard]] PayloadCounts counts_of(const StoredCell& cell, bool has_parents, const AttributeSet& attributes);
 
 // Any number of threads may use it at once, for different cells. The body is the payload but for the parents, then, for
-// cells that a block will read, what only blocks know: ids and usage.
+// cells that a block will read, what only blocks know: ids, usage and errors.
 class CellStore {
  public:
   CellStore(ScratchFile& file, const AttributeSet& attributes) : file_(file), attributes_(attributes) {}

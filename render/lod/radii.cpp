@@ -29,20 +29,20 @@ void check(const RadiiConfig& config) {
   if (config.image_height < 1 || !positive(config.aspect)) throw InputError("the image must have a positive size");
 }
 
-// Least r_l / h_l that keeps an error of e_l h_l below tau pixels anywhere in the image: one pixel of a pinhole camera
-// subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner. A bound for every angle and
-// aspect that round to those of the configuration: it grows with the aspect, and its largest values over an interval of
-// angles are at the ends, since 1 / t + c t is convex.
-float radius_for_pixels(float error_ratio, const RadiiConfig& config) {
+// The radius, over the error, that keeps the error below tau pixels anywhere in the image: one pixel of a pinhole
+// camera subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner. A bound for every
+// angle and aspect that round to those of the configuration: it grows with the aspect, and its largest values over an
+// interval of angles are at the ends, since 1 / t + c t is convex.
+double radius_over_error(const RadiiConfig& config) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const double aspect = std::nextafter(config.aspect, infinity);
   const auto radius = [&](double fov) {
     const double half = std::tan(fov / 2);
     const double corner_tan2 = half * half * (1 + aspect * aspect);  // tan^2; 1 / cos^2 = 1 + tan^2
-    return double{error_ratio} * config.image_height / (2 * double{config.pixel_error} * half) * (1 + corner_tan2);
+    return config.image_height / (2 * double{config.pixel_error} * half) * (1 + corner_tan2);
   };
-  return float_above(std::max(radius(std::nextafter(config.vertical_fov, 0.0f)),
-                              radius(std::nextafter(config.vertical_fov, infinity))));
+  return std::max(radius(std::nextafter(config.vertical_fov, 0.0f)),
+                  radius(std::nextafter(config.vertical_fov, infinity)));
 }
 
 double norm(DistanceMetric metric, Vec3d v) {
@@ -53,12 +53,10 @@ double norm(DistanceMetric metric, Vec3d v) {
 class AdaptiveRadii {
  public:
   AdaptiveRadii(const Hierarchy& hierarchy, const RadiiConfig& config, const Signatures& signatures)
-      : hierarchy_(hierarchy), config_(config), signatures_(signatures), wanted_(hierarchy.cells.size()) {
-    for (std::size_t c = 0; c < wanted_.size(); ++c) wanted_[c] = radius_for_pixels(hierarchy.cells[c].error, config);
-  }
+      : hierarchy_(hierarchy), config_(config), signatures_(signatures) {}
 
   std::vector<float> make() {
-    radius_ = wanted_;
+    want();
     for (int level = hierarchy_.finest(); level >= 1; --level)
       for (std::uint32_t s = signatures_.first(level); s < signatures_.first(level + 1); ++s) raise(level, s);
     std::vector<float> finest(hierarchy_.levels.back().cell_count, std::numeric_limits<float>::infinity());
@@ -78,19 +76,24 @@ class AdaptiveRadii {
            (norm(config_.metric, overhang(hierarchy_.cells[cell].bounds, hierarchy_.cells[parent].bounds)) + band);
   }
 
-  // The radii of the parents of a signature. A vertex reaches its parent at the smallest radius of them: that one
-  // serves the errors of all.
+  // The radii that the errors ask for: of a cell itself, and of the triangles around the vertices that it shares with
+  // others. Those vertices reach their places of this level at the smallest radius of all cells that use them, while
+  // others of these cells are still refined: the smallest serves all of them.
+  void want() {
+    const double pixels = radius_over_error(config_);
+    for (const Cell& cell : hierarchy_.cells) radius_.push_back(float_above(cell.error * pixels));
+    for (std::uint32_t s = 0; s < signatures_.first(hierarchy_.finest()); ++s)
+      for (const CellId cell : signatures_.users(s).cells)
+        radius_[cell] = std::max(radius_[cell], float_above(signatures_.error(s) * pixels));
+  }
+
   void raise(int level, std::uint32_t signature) {
+    if (level == hierarchy_.finest()) return;
     const auto [cells, parents] = signatures_.users(signature);
-    float wanted = 0;
-    for (const CellId parent : parents) wanted = std::max(wanted, wanted_[parent]);
-    for (const CellId parent : parents) {
-      float& radius = radius_[parent];
-      radius = std::max(radius, wanted);
-      if (level == hierarchy_.finest()) continue;
+    for (const CellId parent : parents)
       for (const CellId cell : cells)
-        radius = std::max(radius, float_above((double{radius_[cell]} + gap(level, cell, parent)) * widen));
-    }
+        radius_[parent] =
+            std::max(radius_[parent], float_above((double{radius_[cell]} + gap(level, cell, parent)) * widen));
   }
 
   // The finest cells have no radius of their own: the widest bands that the parents leave, from half the way on.
@@ -109,7 +112,7 @@ class AdaptiveRadii {
   const Hierarchy& hierarchy_;
   const RadiiConfig& config_;
   const Signatures& signatures_;
-  std::vector<float> wanted_, radius_;
+  std::vector<float> radius_;
 };
 
 Radii make_adaptive(const Hierarchy& hierarchy, const RadiiConfig& config,
@@ -173,7 +176,7 @@ Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config, std::sha
   // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least
   // r.
   const auto wanted = [&](std::size_t l) {
-    return h(l) * (config.kappa0 ? *config.kappa0 : radius_for_pixels(hierarchy.levels[l].error, config));
+    return h(l) * (config.kappa0 ? *config.kappa0 : float_above(hierarchy.levels[l].error * radius_over_error(config)));
   };
 
   Radii radii;

@@ -30,7 +30,7 @@ class RadiiCheck {
   void examine(const Radii& radii, const RadiiConfig& config) {
     for (int level = 1; level <= hierarchy_.finest(); ++level)
       for (std::uint32_t s = radii.signatures->first(level); s < radii.signatures->first(level + 1); ++s)
-        examine(radii, config, level, radii.signatures->users(s));
+        examine(radii, config, level, radii.signatures->users(s), radii.signatures->error(s));
   }
 
   [[nodiscard]] VerifyCheck result() const {
@@ -40,7 +40,7 @@ class RadiiCheck {
   }
 
  private:
-  void examine(const Radii& radii, const RadiiConfig& config, int level, const Signatures::Users& users) {
+  void examine(const Radii& radii, const RadiiConfig& config, int level, const Signatures::Users& users, float error) {
     const double half = std::tan(double{config.vertical_fov} / 2), aspect = config.aspect;
     const double pixels =
         config.image_height / (2 * half * config.pixel_error) * (1 + half * half * (1 + aspect * aspect));
@@ -51,10 +51,13 @@ class RadiiCheck {
         const double beyond = farthest(config.metric, hierarchy_.cells[cell].bounds, hierarchy_.cells[parent].bounds);
         require(radius >= radii.by_cell[cell] + beyond + band, parent, "too small beside that of cell ", cell);
       }
-      for (const CellId other : users.parents)
-        require(radius >= hierarchy_.cells[other].error * pixels * (1 - 1e-6), parent,
-                "too small for the error of cell ", other);
+      require(radius >= hierarchy_.cells[parent].error * pixels * (1 - 1e-6), parent,
+              "too small for its error: ", parent);
     }
+    if (level == hierarchy_.finest()) return;
+    for (const CellId cell : users.cells)
+      require(radii.by_cell[cell] >= error * pixels * (1 - 1e-6), cell, "too small for an error it shares with cell ",
+              users.cells.front());
   }
 
   void require(bool holds, CellId cell, const char* fault, CellId other) {

@@ -7,7 +7,7 @@
 namespace lodestone {
 
 // The check `radii`: the radius of every parent of a signature is at least that of each of its cells + H + (beta + 3
-// delta) h (docs/decisions/0055), in double, and serves the errors of all its parents.
+// delta) h (docs/decisions/0055), in double, and the radii serve the errors of cells and of signatures.
 [[nodiscard]] VerifyCheck verify_radii(const Hierarchy& hierarchy, const Radii& radii, const RadiiConfig& config);
 
 // The same for tolerances of 0.1 to 64 pixels and both metrics. O(signatures) for each of them.

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/hierarchy/lode/lode_format.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
 #include "parallel/clean/prepare.h"
@@ -192,7 +193,9 @@ TEST_P(Streaming, RefusesABudgetWithoutRoomForTheRoot) {
 TEST_P(Streaming, TellsOfAnAlteredFileWhenItMeetsIt) {
   {
     std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(-40, std::ios::end);
+    LodeHeader header;
+    file.read(reinterpret_cast<char*>(&header), sizeof header);
+    file.seekp(static_cast<std::streamoff>(header.payload_offset + header.payload_bytes) - 40);
     file.put('\x5a').put('\x5a').put('\x5a').put('\x5a');
   }
   CellStream stream(file_);

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <tuple>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
 #include "core/simplify/simplifiers.h"
@@ -103,6 +105,28 @@ TEST_P(BuildStrategies, EveryLevelStandsOnTheLatticeAndVerifies) {
 
 INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies, testing::ValuesIn(simplifier_names()),
                          [](const auto& tested) { return tested.param; });
+
+// Cells share vertices of small errors too, where a whole cell's would ask for more than the border needs.
+TEST_P(BuildStrategies, KnowsTheErrorsAroundSharedVertices) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const bool ordered : {false, true}) {
+    BuildConfig config = small_cells(GetParam(), Strategy::graph);
+    config.order_cells = ordered;
+    Hierarchy h = build_hierarchy(on_lattice(test::terrain_mesh(100), 14), config, *scheduler);
+    ASSERT_GE(h.finest(), 2);
+    double border = 0, whole = 0;
+    for (const Cell& cell : h.cells) {
+      ASSERT_EQ(cell.border_errors.size(), cell.child_count == 0 ? 0 : cell.shared_ids.size());
+      for (const float error : cell.border_errors) {
+        ASSERT_LE(error, cell.error);
+        border += error, whole += cell.error;
+      }
+    }
+    EXPECT_LT(border, 0.9 * whole);
+    h.signatures = std::make_shared<const Signatures>(find_signatures(h));
+    EXPECT_EQ(failures(verify_hierarchy(h)), "");
+  }
+}
 
 TEST(Build, ShrinksFourfoldPerLevel) {
   const auto scheduler = make_tbb_scheduler();

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
@@ -38,8 +40,9 @@ class MeasureErrors : public testing::TestWithParam<IndexedMesh (*)()> {};
 
 TEST_P(MeasureErrors, AreValidAndBoundWhatCompareFinds) {
   const IndexedMesh mesh = GetParam()();
-  const Hierarchy hierarchy = measured(mesh, 2);
+  Hierarchy hierarchy = measured(mesh, 2);
   ASSERT_GE(hierarchy.finest(), 2);
+  hierarchy.signatures = std::make_shared<const Signatures>(find_signatures(hierarchy));
   EXPECT_TRUE(hierarchy.provenance.measured_errors);
   const VerifyReport report = verify_hierarchy(hierarchy, &mesh);
   for (const VerifyCheck& check : report.checks) EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;

@@ -234,6 +234,7 @@ class BlockBuilder {
                    std::size_t& vertex) {
     CellBuild& parent = parents_[rank];
     const std::size_t shared = number_members(members);
+    parent.vertex_errors.assign(members.size(), 0);
     std::size_t triangles = 0;
     for_each_child(rank, [&](const CellBuild& child) { triangles += child.triangles.size(); });
     if (s_.kept.size() <= triangles) s_.kept.resize(triangles + 1);
@@ -247,6 +248,7 @@ class BlockBuilder {
     std::copy_n(s_.kept.begin(), kept, parent.slab.triangles.begin());
     parent.triangles = parent.slab.triangles;
     fill_vertices(result, members, parent);
+    fill_border_errors(parent);
     if (attributes_.wedges) fill_attributes(members, parent);
     for_each_child(rank, [&](CellBuild& child) {
       parent.bounds.extend(child.bounds);
@@ -286,7 +288,34 @@ class BlockBuilder {
     }
     child.max_displacement = float_above(std::sqrt(farthest2));
     if (search_) distance = search_distance(result, child, first_vertex);
-    parent.error = std::max(parent.error, float_up(double{child.error} + std::min(distance, child.max_displacement)));
+    distance = std::min(distance, child.max_displacement);
+    parent.error = std::max(parent.error, float_up(double{child.error} + distance));
+    carry_errors(result, child, distance, first_vertex, parent);
+  }
+
+  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface.
+  void carry_errors(const SimplifyResult& result, const CellBuild& child, float most, std::size_t first_vertex,
+                    CellBuild& parent) {
+    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
+      const std::uint32_t v = s_.block_id[first_vertex + i];
+      const float below = child.vertex_errors.empty() ? child.error : child.vertex_errors[i];
+      const float distance = result.distance.empty() ? most : std::min(result.distance[v], most);
+      float& error = parent.vertex_errors[child.slab.parents[i]];
+      error = std::max(error, float_up(double{below} + distance));
+    }
+  }
+
+  // A triangle has the largest error of its corners.
+  static void fill_border_errors(CellBuild& parent) {
+    const std::vector<float>& of = parent.vertex_errors;
+    const std::size_t first = parent.first_shared();
+    parent.border_errors.assign(of.begin() + static_cast<std::ptrdiff_t>(first), of.end());
+    for (const Triangle& t : parent.triangles) {
+      if (std::max({t.v[0], t.v[1], t.v[2]}) < first) continue;
+      const float largest = std::max({of[t.v[0]], of[t.v[1]], of[t.v[2]]});
+      for (const std::uint32_t v : t.v)
+        if (v >= first) parent.border_errors[v - first] = std::max(parent.border_errors[v - first], largest);
+    }
   }
 
   // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,

@@ -75,6 +75,7 @@ void CellBuild::release_transient() {
   std::vector<std::uint32_t>().swap(ids);
   std::vector<std::uint32_t>().swap(vertex_ids);
   std::vector<UsageBox>().swap(usage);
+  std::vector<float>().swap(vertex_errors);
 }
 
 void view_payload(const CellBuild& build, bool has_parents, Cell& cell) {
@@ -84,6 +85,7 @@ void view_payload(const CellBuild& build, bool has_parents, Cell& cell) {
   if (has_parents) cell.parents = build.slab.parents;
   cell.shared_ids = build.slab.shared_ids;
   cell.triangles = build.triangles;
+  cell.border_errors = build.border_errors;
 }
 
 void sort_by_material(CellBuild& cell) {

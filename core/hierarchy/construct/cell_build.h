@@ -85,6 +85,10 @@ struct CellBuild : CellFigures {
   // With wedges, the input vertex of each: the first wedge there. Empty otherwise: the same as ids.
   std::vector<std::uint32_t> vertex_ids;
   std::vector<UsageBox> usage;  // of the shared vertices, in the order of shared_ids
+  // By vertex: the error of the vertices below that it stands for, as `error` is that of all. Empty on the finest
+  // level, where all have the cell's.
+  std::vector<float> vertex_errors;
+  std::vector<float> border_errors;  // as Cell has them
 
   [[nodiscard]] std::size_t vertex_count() const { return slab.positions.size(); }
   [[nodiscard]] std::size_t first_shared() const { return slab.positions.size() - slab.shared_ids.size(); }

@@ -68,6 +68,7 @@ std::vector<std::uint32_t> order_cell(CellBuild& cell, CellOrderScratch& scratch
   move_items(cell.slab.colours, 0, moved, scratch);
   move_items(cell.slab.materials, 0, moved, scratch);
   move_items(cell.slab.shared_ids, first_shared, moved, scratch);
+  move_items(std::span(cell.border_errors), first_shared, moved, scratch);
   return moved;
 }
 

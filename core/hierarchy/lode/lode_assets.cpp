@@ -140,7 +140,8 @@ void put_all(Writer& writer, const std::vector<T>& items, const Visit& visit) {
 
 void put_signatures(Writer& writer, const Signatures::Table& table) {
   Writer all;
-  all.items(table.sets), all.items(table.sizes), all.items(table.cells), all.items(table.places);
+  all.items(table.sets), all.items(table.sizes), all.items(table.cells), all.items(table.errors),
+      all.items(table.places);
   writer(static_cast<std::uint64_t>(all.bytes.size()));
   writer.items(all.bytes);
 }
@@ -154,7 +155,8 @@ const char* take_signatures(Reader& reader, Hierarchy& hierarchy) {
   Reader all = reader.part(bytes);
   Signatures::Table table;
   if (!all.items(table.sets, hierarchy.levels.size()) || !all.items(table.sizes, sum(table.sets)) ||
-      !all.items(table.cells, sum(table.sizes)) || !all.items(table.places, all.left()))
+      !all.items(table.cells, sum(table.sizes)) || !all.items(table.errors, table.sizes.size()) ||
+      !all.items(table.places, all.left()))
     return "the signatures are invalid";
   if (const char* fault = Signatures::fault(hierarchy, table)) return fault;
   hierarchy.signatures = std::make_shared<const Signatures>(hierarchy, std::move(table));

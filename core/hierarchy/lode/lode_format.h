@@ -156,7 +156,8 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 // The last section of the file:
 //
 //   [string simplifier |] u64 bytes | signatures
-//   signatures: u32 sets x levels | u32 cells x sets | u32 cell x cells of all sets | u8 place x shared vertices
+//   signatures: u32 sets x levels | u32 cells x sets | u32 cell x cells of all sets | f32 error x sets |
+//   u8 place x shared vertices
 //   (Signatures::Table); only in files with the feature lode_signatures, which all have that are written
 //
 // and then, if there are any, materials and textures:

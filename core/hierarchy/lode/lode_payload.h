@@ -60,7 +60,7 @@ template <class T>
   return length * IndexView<T>::words * (short_indices ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
 }
 
-// Of all arrays, without padding.
+// Bytes of all arrays, without padding.
 [[nodiscard]] inline std::uint64_t plain_bytes(const PayloadCounts& n) {
   std::uint64_t bytes = 0;
   const Cell types;

@@ -127,10 +127,15 @@ SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most) : ta
   assert(most >= 2 && most <= Signatures::most);
 }
 
-void SignatureFinder::begin_level() { positions_.assign(level().cell_count, {}); }
+void SignatureFinder::begin_level() {
+  positions_.assign(level().cell_count, {});
+  errors_.assign(level().cell_count, {});
+}
 
-void SignatureFinder::add(CellId cell, std::span<const Vec3f> positions) {
-  positions_[level().rank_of(cell)].assign(positions.begin(), positions.end());
+void SignatureFinder::add(CellId id, const Cell& cell) {
+  const std::span<const Vec3f> positions = cell.positions.subspan(cell.first_shared());
+  positions_[level().rank_of(id)].assign(positions.begin(), positions.end());
+  errors_[level().rank_of(id)].assign(cell.border_errors.begin(), cell.border_errors.end());
 }
 
 void SignatureFinder::end_level() {
@@ -163,6 +168,8 @@ void SignatureFinder::end_level() {
     table_.sizes.push_back(static_cast<std::uint32_t>(cells.size()));
     table_.cells.insert(table_.cells.end(), cells.begin(), cells.end());
   }
+  const std::size_t first_error = table_.errors.size();
+  table_.errors.resize(table_.sizes.size(), 0);
   auto number = uses.number.begin();
   for (std::size_t rank = 0; rank < positions_.size(); ++rank) {
     std::vector<std::uint32_t>& sets = of_cell[rank];
@@ -170,22 +177,25 @@ void SignatureFinder::end_level() {
     std::ranges::sort(sets);
     for (std::size_t k = 0; k < positions_[rank].size(); ++k) {
       const std::uint32_t set = set_of[*number++];
-      const auto place = [&] { return std::ranges::lower_bound(sets, rank_of[found.final_of(set)]) - sets.begin(); };
-      table_.places.push_back(set == alone ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + place()));
+      if (set == alone) {
+        table_.places.push_back(0);
+        continue;
+      }
+      const std::uint32_t final = rank_of[found.final_of(set)];
+      table_.places.push_back(static_cast<std::uint8_t>(1 + (std::ranges::lower_bound(sets, final) - sets.begin())));
+      const float error = errors_[rank].empty() ? tables_.cells[level.id_of(CellRank(rank))].error : errors_[rank][k];
+      table_.errors[first_error + final] = std::max(table_.errors[first_error + final], error);
     }
   }
   table_.sets.push_back(static_cast<std::uint32_t>(order.size()));
-  positions_.clear();
+  positions_.clear(), errors_.clear();
 }
 
 Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {
   SignatureFinder finder(hierarchy, most);
   for (const Level& level : hierarchy.levels) {
     finder.begin_level();
-    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
-      const Cell& cell = hierarchy.cells[c];
-      finder.add(c, cell.positions.subspan(cell.first_shared()));
-    }
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) finder.add(c, hierarchy.cells[c]);
     finder.end_level();
   }
   return std::move(finder).finish();

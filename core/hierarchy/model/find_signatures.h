@@ -13,15 +13,16 @@ namespace lodestone {
 
 // Takes a level at a time, from the root, so that the cells need not be in memory together. Vertices are told apart by
 // their positions: wedges of one position share a signature, as do vertices that happen to lie at the same place.
-// Memory: 12 bytes per shared vertex of one level, 32 more while the level ends.
+// Memory: 16 bytes per shared vertex of one level, 32 more while the level ends.
 class SignatureFinder {
  public:
   // The hierarchy, of which the tables are enough, outlives this. `most`: signatures of a cell, from 2 on.
   explicit SignatureFinder(const Hierarchy& tables, std::size_t most = Signatures::most);
 
   void begin_level();  // the next one
-  // The positions of the shared vertices of a cell of the level, in their order. From any thread, once for each cell.
-  void add(CellId cell, std::span<const Vec3f> positions);
+  // Takes the shared vertices of a cell of the level: their positions, and border_errors, or else the cell's error for
+  // all of them. From any thread, once for each cell.
+  void add(CellId id, const Cell& cell);
   void end_level();
 
   // After all levels.
@@ -33,6 +34,7 @@ class SignatureFinder {
   const Hierarchy& tables_;
   std::size_t most_;
   std::vector<std::vector<Vec3f>> positions_;  // by rank
+  std::vector<std::vector<float>> errors_;     // likewise; empty: that of the cell
   Signatures::Table table_;
 };
 

@@ -62,6 +62,9 @@ struct Cell {
   Indices parents;  // one per position; empty at level 0
   std::span<const std::uint32_t> shared_ids;
   Triangles triangles;  // never degenerate
+  // By shared vertex, while the hierarchy is being built: an estimate of the error of the triangles around it in this
+  // cell, at most that of the cell. Empty in files, whose signatures have them, and on the finest level.
+  std::span<const float> border_errors;
 
   [[nodiscard]] CellId end_child() const { return CellId(first_child + child_count); }
   [[nodiscard]] std::uint32_t first_shared() const {

@@ -40,7 +40,7 @@ class IndexView {
       return {{at[0], at[1], at[2]}};
     }
   }
-  // Of an element, to be fetched ahead.
+  // Where an element lies, to be fetched ahead.
   [[nodiscard]] const void* address(std::size_t i) const {
     return static_cast<const std::byte*>(data_) +
            i * words * (is_short_ ? sizeof(std::uint16_t) : sizeof(std::uint32_t));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 namespace lodestone {
@@ -31,7 +32,7 @@ std::uint64_t sum(const Items& items) {
 
 const char* Signatures::fault(const Hierarchy& tables, const Table& table) {
   if (table.sets.size() != tables.levels.size() || sum(table.sets) != table.sizes.size() ||
-      sum(table.sizes) != table.cells.size())
+      table.errors.size() != table.sizes.size() || sum(table.sizes) != table.cells.size())
     return "the signatures have wrong sizes";
   std::vector<std::uint16_t> count(tables.cells.size(), 1);  // of each cell
   std::span<const CellId> last;
@@ -45,6 +46,8 @@ const char* Signatures::fault(const Hierarchy& tables, const Table& table) {
     return std::ranges::all_of(cells, [&](CellId cell) { return ++count[cell] <= most; });
   });
   if (!valid) return "a signature is invalid";
+  if (!std::ranges::all_of(table.errors, [](float e) { return e >= 0 && std::isfinite(e); }))
+    return "the error of a signature is negative or not finite";
   std::size_t place = 0;
   for (std::size_t c = 0; c < tables.cells.size(); ++c) {
     const std::size_t end = place + tables.cells[c].shared_ids.size();
@@ -61,11 +64,12 @@ Signatures::Signatures(const Hierarchy& tables, Table table) : table_(std::move(
   const auto begin_level = [&](std::size_t level) {
     first_of_level_.push_back(static_cast<std::uint32_t>(first_cell_.size() - 1));
     for (CellId c = tables.levels[level].first_cell; c < tables.levels[level].end_cell(); ++c)
-      add_set(tables, std::span(&c, 1));
+      add_set(tables, std::span(&c, 1), 0);
   };
+  std::size_t set = 0;
   (void)for_sets(table_, [&](std::size_t level, std::span<const CellId> cells) {
     while (first_of_level_.size() <= level) begin_level(first_of_level_.size());
-    add_set(tables, cells);
+    add_set(tables, cells, table_.errors[set++]);
     return true;
   });
   while (first_of_level_.size() < tables.levels.size()) begin_level(first_of_level_.size());
@@ -85,7 +89,8 @@ Signatures::Signatures(const Hierarchy& tables, Table table) : table_(std::move(
   for (const Cell& cell : tables.cells) first_place_.push_back(first_place_.back() + cell.shared_ids.size());
 }
 
-void Signatures::add_set(const Hierarchy& tables, std::span<const CellId> cells) {
+void Signatures::add_set(const Hierarchy& tables, std::span<const CellId> cells, float error) {
+  errors_.push_back(error);
   for (const CellId cell : cells) {
     cells_.push_back(cell);
     // Cells of a level are in Morton order, and so are their parents.

@@ -30,6 +30,7 @@ class Signatures {
     std::vector<std::uint32_t> sets;   // by level: their number
     std::vector<std::uint32_t> sizes;  // by set
     std::vector<CellId> cells;         // of all sets
+    std::vector<float> errors;         // by set: error() of it
     std::vector<std::uint8_t> places;  // by cell, by shared vertex: its place in of(cell)
     friend bool operator==(const Table&, const Table&) = default;
   };
@@ -52,16 +53,20 @@ class Signatures {
     return {std::span(cells_).subspan(first_cell_[s], first_cell_[s + 1] - first_cell_[s]),
             std::span(parents_).subspan(first_parent_[s], first_parent_[s + 1] - first_parent_[s])};
   }
+  // An estimate or bound of the error of the triangles around vertices of this signature, in all of its cells; 0 for
+  // those of one cell, which has an error itself.
+  [[nodiscard]] float error(std::uint32_t signature) const { return errors_[signature]; }
   // All of a level are consecutive: [first(level), first(level + 1)), the first of them those of one cell, by rank.
   [[nodiscard]] std::uint32_t first(int level) const { return first_of_level_[static_cast<std::size_t>(level)]; }
 
  private:
-  void add_set(const Hierarchy& tables, std::span<const CellId> cells);
+  void add_set(const Hierarchy& tables, std::span<const CellId> cells, float error);
 
   Table table_;
   std::vector<std::uint32_t> first_of_level_;
   std::vector<std::uint64_t> first_cell_{0}, first_parent_{0};  // by signature
   std::vector<CellId> cells_, parents_;
+  std::vector<float> errors_;                           // likewise
   std::vector<std::uint64_t> first_set_, first_place_;  // by cell
   std::vector<std::uint32_t> cell_sets_;
 };

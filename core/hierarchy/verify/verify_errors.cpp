@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/hierarchy/model/signatures.h"
 #include "core/hierarchy/verify/verify_checks.h"
 #include "core/spatial/triangle_bvh.h"
 
@@ -48,8 +49,16 @@ TriangleBvh surface_of(const Hierarchy& hierarchy, int level, bool with_points) 
   return TriangleBvh(positions, triangles);
 }
 
+// The error of the signature of a vertex, which covers the triangles around it; that of the cell, if it has none.
+double error_around(const Hierarchy& hierarchy, CellId cell, std::uint32_t vertex) {
+  const Cell& in = hierarchy.cells[cell];
+  if (!hierarchy.signatures || vertex < in.first_shared()) return in.error;
+  const std::uint8_t at = hierarchy.signatures->places(cell)[vertex - in.first_shared()];
+  return at == 0 ? in.error : hierarchy.signatures->error(hierarchy.signatures->of(cell)[at]);
+}
+
 // Estimated errors: that of a cell bounds those of its children plus the distances of their vertices from the coarser
-// surface.
+// surface; that of a signature bounds the distances of the vertices that its own stand for.
 void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
   const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse)];
   if (level.triangles == 0) return;
@@ -74,6 +83,11 @@ void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
         errors.require(cell.error * (1 + relative_slack) + absolute_slack >= needed, [&] {
           return place(coarse + 1, k, v) + ": " + std::to_string(needed) +
                  " from M_L, but the parent cell's error is " + std::to_string(cell.error);
+        });
+        const double around = error_around(hierarchy, c, child.parents[v]), from = needed - child.error;
+        errors.require(around * (1 + relative_slack) + absolute_slack >= from, [&] {
+          return place(coarse + 1, k, v) + ": " + std::to_string(from) +
+                 " from M_L, but the error of its parent's signature is " + std::to_string(around);
         });
       }
     }
@@ -169,6 +183,20 @@ std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
   return allowed;
 }
 
+// Errors of signatures are parts of those of their cells.
+void check_signature_errors(const Hierarchy& hierarchy, int level, Finding& errors) {
+  const Signatures& signatures = *hierarchy.signatures;
+  const std::uint32_t first = signatures.first(level) + hierarchy.levels[static_cast<std::size_t>(level)].cell_count;
+  for (std::uint32_t s = first; s < signatures.first(level + 1); ++s) {
+    float largest = 0;
+    for (const CellId cell : signatures.users(s).cells) largest = std::max(largest, hierarchy.cells[cell].error);
+    errors.require(signatures.error(s) <= largest, [&] {
+      return place(level, signatures.users(s).cells.front()) + ": error " + in_digits(signatures.error(s)) +
+             " of a signature, of its cells at most " + in_digits(largest);
+    });
+  }
+}
+
 }  // namespace
 
 std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
@@ -188,6 +216,7 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
       largest = std::max(largest, error);
     }
     check_bound(errors, "error", l, level.error, largest / cell_size(l));
+    if (hierarchy.signatures) check_signature_errors(hierarchy, l, errors);
     if (l == hierarchy.finest()) continue;
     if (!measured) check_estimated(hierarchy, l, errors);
     double farthest = 0;

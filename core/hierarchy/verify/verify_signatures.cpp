@@ -48,6 +48,14 @@ void check_signatures(const Hierarchy& hierarchy, Finding& signatures) {
           std::all_of(first, last,
                       [&](const Copy& c) { return std::binary_search(cells.begin(), cells.end(), c.cell); }),
           [&] { return where() + ": used by a cell that its signature has not"; });
+      // Measured errors are bounds of whole cells.
+      if (hierarchy.provenance.measured_errors && cells.size() > 1)
+        signatures.require(std::all_of(first, last,
+                                       [&](const Copy& c) {
+                                         return hierarchy.signatures->error(c.signature) >=
+                                                hierarchy.cells[c.cell].error;
+                                       }),
+                           [&] { return where() + ": used by a cell of a larger error than its signature has"; });
       first = last;
     }
   }

@@ -83,8 +83,7 @@ inline Float lambda_of(const VertexJob& job, const Points& w, Morph<Metric, B>) 
   return select(own | parents, ends, 1.0f - share);
 }
 
-// The parents' places of `width` vertices.
-// Of vertices first, first + 1, ...
+// The parents' places of vertices first, first + 1, ...
 inline Points parent_points(const Vec3f* coarser, const Indices& parents, std::size_t first) {
   Vec3f p[width];
   for (std::size_t k = 0; k < width; ++k) p[k] = coarser[parents[first + k]];
@@ -121,23 +120,29 @@ inline Vertices snapped(const VertexJob& job, const Points& p) {
   return out;
 }
 
-// Transforms `width` vertices. All places must be readable and writable; a cell that does not move has no parents and
-// lambdas.
+// Arrays of `width` vertices, all of them readable and writable; a cell that does not move has no parents and lambdas.
+struct Lanes {
+  const Vec3f* positions;
+  Indices parents;
+  std::size_t first;  // of the parents
+  WindowVertex* out;
+  float* lambdas;
+};
+
 template <class Motion>
-inline void transform_lanes(const VertexJob& job, const Vec3f* w, const Indices& parents, std::size_t first,
-                            Motion motion, WindowVertex* out, float* lambdas) {
-  Points p = load_points(w);
+inline void transform_lanes(const VertexJob& job, const Lanes& at, Motion motion) {
+  Points p = load_points(at.positions);
   if constexpr (!std::is_same_v<Motion, Still>) {
     Float lambda;
     if constexpr (std::is_same_v<Motion, Given>) {
-      lambda = load<Float>(lambdas);
+      lambda = load<Float>(at.lambdas);
     } else {
       lambda = lambda_of(job, p, motion);
-      store(lambdas, lambda);
+      store(at.lambdas, lambda);
     }
-    p = morphed(lambda, p, job.coarser, parents, first);
+    p = morphed(lambda, p, job.coarser, at.parents, at.first);
   }
-  store_vertices(reinterpret_cast<float*>(out), snapped(job, p));
+  store_vertices(reinterpret_cast<float*>(at.out), snapped(job, p));
 }
 
 template <class Motion>
@@ -146,7 +151,7 @@ void transform_all(const VertexJob& job, Motion motion) {
   const std::size_t n = job.positions.size();
   std::size_t i = 0;
   for (; i + width <= n; i += width)
-    transform_lanes(job, &job.positions[i], job.parents, i, motion, job.out + i, moves ? job.lambdas + i : nullptr);
+    transform_lanes(job, {&job.positions[i], job.parents, i, job.out + i, moves ? job.lambdas + i : nullptr}, motion);
   if (i == n) return;
   // The remaining vertices are padded with copies of the last one.
   Vec3f w[width];
@@ -159,7 +164,7 @@ void transform_all(const VertexJob& job, Motion motion) {
     parents[k] = moves ? job.parents[from] : 0;
     lambdas[k] = moves && job.has_lambdas ? job.lambdas[from] : 0;
   }
-  transform_lanes(job, w, std::span<const std::uint32_t>(parents), 0, motion, out, lambdas);
+  transform_lanes(job, {w, std::span<const std::uint32_t>(parents), 0, out, lambdas}, motion);
   for (std::size_t k = i; k < n; ++k) {
     job.out[k] = out[k - i];
     if (moves) job.lambdas[k] = lambdas[k - i];

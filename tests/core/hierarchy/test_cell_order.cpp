@@ -23,7 +23,7 @@ CellBuild build_of(const Cell& cell) {
   return build;
 }
 
-std::vector<std::array<std::uint32_t, 3>> sorted(std::span<const Triangle> triangles,
+std::vector<std::array<std::uint32_t, 3>> sorted(const Triangles& triangles,
                                                  const std::vector<std::uint32_t>* moved = nullptr) {
   std::vector<std::array<std::uint32_t, 3>> result;
   for (Triangle t : triangles) {

@@ -11,6 +11,7 @@
 #include "core/hierarchy/lode/lode_payload.h"
 #include "core/mesh/clean.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
+#include "tests/test_bytes.h"
 
 namespace lodestone {
 namespace {
@@ -38,12 +39,10 @@ class Guarded {
 };
 
 std::vector<std::byte> plain(const Cell& cell) {
-  std::vector<std::byte> bytes;
-  visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) {
-    const auto raw = std::as_bytes(items);
-    bytes.insert(bytes.end(), raw.begin(), raw.end());
-  });
-  return bytes;
+  std::string bytes;
+  visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { test::append_bytes(bytes, items); });
+  const auto raw = std::as_bytes(std::span(bytes));
+  return {raw.begin(), raw.end()};
 }
 
 // Triangles may begin with another corner.

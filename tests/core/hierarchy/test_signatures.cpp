@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <random>
 #include <set>
+#include <vector>
 
 #include "core/hierarchy/model/find_signatures.h"
 #include "tests/naive_hierarchy.h"
@@ -84,6 +86,31 @@ TEST(Signatures, AreUnitedWhereACellHasTooMany) {
   for (const std::size_t most : {2, 3, 5, 9}) {
     SCOPED_TRACE(most);
     expect_safe(small.hierarchy, find_signatures(small.hierarchy, most), most, false);
+  }
+}
+
+// Those of all vertices that a signature stands for, in all cells; that of the cell where nothing finer is known.
+TEST(Signatures, HaveTheErrorsAroundTheirVertices) {
+  test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(64, 32), 4, 0.6f);
+  Hierarchy& h = small.hierarchy;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> errors(0, 1);
+  std::vector<std::vector<float>> of_cells(h.cells.size());
+  for (std::size_t c = 0; c < h.levels.back().first_cell; c += 2) {  // every second cell
+    for (std::size_t k = 0; k < h.cells[c].shared_ids.size(); ++k) of_cells[c].push_back(errors(random));
+    h.cells[c].border_errors = of_cells[c];
+  }
+  for (const std::size_t most : {std::size_t{2}, Signatures::most}) {
+    const Signatures signatures = find_signatures(h, most);
+    std::vector<float> twin(signatures.first(h.finest() + 1), 0);
+    for (CellId c{0}; c < h.cells.size(); ++c)
+      for (std::size_t k = 0; k < h.cells[c].shared_ids.size(); ++k) {
+        float& largest = twin[signatures.of(c)[signatures.places(c)[k]]];
+        largest = std::max(largest, of_cells[c].empty() ? h.cells[c].error : of_cells[c][k]);
+      }
+    for (std::uint32_t s = 0; s < twin.size(); ++s) {
+      EXPECT_EQ(signatures.error(s), signatures.users(s).cells.size() > 1 ? twin[s] : 0) << s;
+    }
   }
 }
 

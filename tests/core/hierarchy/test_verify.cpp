@@ -286,6 +286,23 @@ TEST(Verify, ChecksSignaturesWhereThereAreSome) {
   EXPECT_FALSE(passes([](auto& t) { t.places.back() = 0; }));
 }
 
+TEST(Verify, ChecksTheErrorsOfSignatures) {
+  NaiveHierarchy model = test::naive_hierarchy(test::bumpy_sphere(4), finest, sigma0);
+  const Signatures::Table whole = find_signatures(model.attach()).table();
+  const auto failed = [&](const auto& change) {
+    Signatures::Table table = whole;
+    for (float& error : table.errors) change(error);
+    model.hierarchy.signatures = std::make_shared<const Signatures>(model.hierarchy, std::move(table));
+    std::string names;
+    for (const VerifyCheck& check : verify_hierarchy(model.hierarchy).checks)
+      if (!check.passed) names += check.name;
+    return names;
+  };
+  EXPECT_EQ(failed([](float&) {}), "");
+  EXPECT_EQ(failed([](float& error) { error = 0; }), "errors");  // vertices have moved
+  EXPECT_EQ(failed([](float& error) { error *= 1.01f; }), "errors");
+}
+
 TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
   const IndexedMesh mesh = test::on_lattice(test::bumpy_sphere(4), {14});
   const NaiveHierarchy whole = test::naive_hierarchy(mesh, finest, sigma0);

@@ -80,7 +80,7 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
           job.positions = cell.positions;
           if (level > 0) {
             job.coarser = h.cells[cell.parent].positions.data();
-            job.parents = cell.parents.data();
+            job.parents = cell.parents;
           }
           job.viewpoint = morph.viewpoint;
           job.metric = metric;

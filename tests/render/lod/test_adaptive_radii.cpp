@@ -82,24 +82,25 @@ TEST(AdaptiveRadii, BreakTheConstraintWhereTheyAreAskedTo) {
   EXPECT_FALSE(verify_radii(rough(), radii, config).passed);
 }
 
-// A cell by itself asks for no more than its own error; nothing is raised without a reason.
+// A cell asks for its own error and, where nothing is known of the vertices it shares, for those of the cells it shares
+// them with; nothing else is raised without a reason.
 TEST(AdaptiveRadii, AreNoLargerThanTheyMust) {
   const Hierarchy& h = rough();
   const auto signatures = signatures_of(h);
   const RadiiConfig config = adaptive(1);
   const Radii radii = make_radii(h, config, signatures);
-  std::vector<double> least(h.cells.size(), 0);
-  for (int level = h.finest(); level >= 1; --level) {
+  std::vector<double> least;
+  for (const Cell& cell : h.cells) least.push_back(wanted(cell.error, config));
+  for (std::uint32_t s = 0; s < signatures->first(h.finest()); ++s)
+    for (const CellId c : signatures->users(s).cells)
+      for (const CellId n : signatures->users(s).cells) least[c] = std::max(least[c], wanted(h.cells[n].error, config));
+  for (int level = h.finest() - 1; level >= 1; --level) {
     const double band = double{config.beta} * cell_size(level);
     for (std::uint32_t s = signatures->first(level); s < signatures->first(level + 1); ++s)
-      for (const CellId p : signatures->users(s).parents) {
-        for (const CellId n : signatures->users(s).parents)
-          least[p] = std::max(least[p], wanted(h.cells[n].error, config));
+      for (const CellId p : signatures->users(s).parents)
         for (const CellId d : signatures->users(s).cells)
-          if (level < h.finest())
-            least[p] = std::max(least[p], radii.by_cell[d] + band +
-                                              largest_distance(config.metric, h.cells[d].bounds, h.cells[p].bounds));
-      }
+          least[p] = std::max(least[p], radii.by_cell[d] + band +
+                                            largest_distance(config.metric, h.cells[d].bounds, h.cells[p].bounds));
   }
   for (CellId c{0}; c < h.levels.back().first_cell; ++c) EXPECT_LE(radii.by_cell[c], least[c] * (1 + 1e-5)) << c;
 }
