@@ -15,6 +15,7 @@ set(sources
   core/hierarchy/lode/lode_encode.cpp
   core/hierarchy/lode/lode_file.cpp
   core/hierarchy/lode/lode_payload.cpp
+  core/hierarchy/model/find_signatures.cpp
   core/hierarchy/model/hierarchy.cpp
   core/hierarchy/model/packed_normal.cpp
   core/hierarchy/model/signatures.cpp

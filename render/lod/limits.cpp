@@ -63,7 +63,7 @@ class LimitTracker::Update {
         viewpoint_(viewpoint),
         child_state_(child_state),
         rate_(rate),
-        least_(rate * near_band(hierarchy, radii)),
+        least_(rate * near_band(radii)),
         tracker_(tracker) {}
 
   void visit(CellId id, std::size_t level) {
@@ -85,16 +85,12 @@ class LimitTracker::Update {
 
  private:
   // A distance of which a share changes no vertex by more than its share of the way. No band begins below that of the
-  // finest level; where that begins at 0, a part of its width serves, or limits would sink for ever.
-  [[nodiscard]] static float near_band(const Hierarchy& hierarchy, const Radii& radii) {
+  // finest level; where that begins at 0, a part of its width serves, or limits would sink for ever. Bands of radii by
+  // cell may begin at 0 anywhere, and all have a width.
+  [[nodiscard]] static float near_band(const Radii& radii) {
     const std::size_t levels = radii.select.size();
-    if (levels == 1) return radii.band_begin.back();
-    if (radii.by_cell.empty()) return std::max(radii.band_begin.back(), radii.select[levels - 2] / 16);
-    const auto least = [&](std::size_t level) {
-      const Level& l = hierarchy.levels[level];
-      return std::ranges::min(std::span(radii.by_cell).subspan(l.first_cell, l.cell_count));
-    };
-    return std::max(least(levels - 1), least(levels - 2) / 16);
+    if (!radii.by_cell.empty()) return radii.band_end.back() - radii.band_begin.back();
+    return std::max(radii.band_begin.back(), levels > 1 ? radii.select[levels - 2] / 16 : 0);
   }
 
   // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.

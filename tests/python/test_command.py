@@ -44,7 +44,7 @@ def test_generate(sphere_file, tmp_path):
 def test_verify(hierarchy, sphere_file, tmp_path, command):
     hierarchy.save(tmp_path / "a.lode")
     expected = command("verify", tmp_path / "a.lode", "--input", sphere_file)
-    report = lodestone.verify(hierarchy, input=sphere_file)
+    report = lodestone.verify(lodestone.load(tmp_path / "a.lode"), input=sphere_file)
     assert report["valid"] and "input" in [check["name"] for check in report["checks"]]
     assert report == {key: expected[key] for key in report}
     # For another input the answer is no, with the check that fails.
