@@ -11,11 +11,13 @@ namespace lodestone {
 
 ByteReader::ByteReader(const std::filesystem::path& path) : ByteReader(path, path.parent_path()) {}
 
-ByteReader::ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit)
+ByteReader::ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit,
+                       std::function<void(double)> progress)
     : name_(path.string()),
       folder_({path.parent_path(), std::move(limit)}),
       file_(std::in_place, path),
-      buffer_(std::make_unique_for_overwrite<char[]>(max_window)) {
+      buffer_(std::make_unique_for_overwrite<char[]>(max_window)),
+      progress_(std::move(progress)) {
   size_ = file_->size();
   data_ = buffer_.get();
 }
@@ -49,6 +51,7 @@ void ByteReader::refill([[maybe_unused]] std::size_t least) {
   filled_ += got;
   // The file has been shortened while it was read.
   if (got < wanted) size_ = base_ + filled_;
+  if (progress_ && got > 0) progress_(static_cast<double>(base_ + filled_) / static_cast<double>(size_));
 }
 
 std::vector<char> read_all(ByteReader& input) {

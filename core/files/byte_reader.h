@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,9 +30,12 @@ class ByteReader {
  public:
   static constexpr std::size_t max_window = std::size_t{1} << 20;
 
-  // Throw FileError. The files that this one names must be in its folder, or in `limit`.
+  // Throw FileError. The files that this one names must be in its folder, or in `limit`. `progress` gets the share of
+  // the file that has been read, in (0, 1], whenever more of it is: about once a mebibyte; what it throws ends the
+  // reading.
   explicit ByteReader(const std::filesystem::path& path);
-  ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit);
+  ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit,
+             std::function<void(double share)> progress = {});
   // The bytes must outlive the reader; the name stands for the file in messages.
   ByteReader(std::span<const char> bytes, std::string name, std::optional<CompanionFolder> folder = {});
 
@@ -64,6 +68,7 @@ class ByteReader {
   const char* data_ = nullptr;
   std::optional<InputFile> file_;  // empty when the bytes are in memory
   std::unique_ptr<char[]> buffer_;
+  std::function<void(double)> progress_;
 };
 
 // The rest of the input.

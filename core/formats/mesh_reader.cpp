@@ -207,8 +207,9 @@ RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config
 }
 
 ByteReader open_mesh_file(const std::filesystem::path& path, const ReadConfig& config) {
-  if (config.allow_outside) return ByteReader(path, std::nullopt);
-  return ByteReader(path);
+  std::optional<std::filesystem::path> limit;
+  if (!config.allow_outside) limit = path.parent_path();
+  return ByteReader(path, std::move(limit), config.progress);
 }
 
 std::filesystem::path mesh_path(const std::filesystem::path& path) {

@@ -1,355 +1,217 @@
-"""Reads an .lpm file in Python alone: a progressive mesh, any level of which is a prefix. usage: lpm.py FILE [VERTICES]
+"""Reads an .lpm file: a progressive mesh, any level of which is a prefix. usage: lpm.py FILE [VERTICES]
 
-The bytes are those of docs/format.md. An adaptive range coder (as in LZMA) codes a base mesh, and then vertex splits: each
-brings a vertex in beside its parent, with its place as a difference from a prediction. Every vertex has a star: its
-neighbours in order, each with the wedge that the vertex has in the triangle after it. Checksums are checked.
+The bytes are those of docs/format.md. A range coder as in LZMA codes a base mesh and then vertex splits: each brings a
+vertex in beside its parent, with differences from what its ring, its neighbours in order, predicts. A vertex is one or
+more wedges, vertices of the file; its corners are the wedges that it has between one neighbour and the next.
 """
 
 import json
-import math
 import struct
 import sys
 import zlib
-from dataclasses import dataclass, field
+from collections import defaultdict
 
-INSIDE, BACK, FRONT = range(3)  # of an open star: where the new vertex goes
+import numpy
+
+BACK, FRONT = 1, 2  # of an open ring: the new vertex is added after its end or before its beginning
 
 
 class Coder:
-    """The range decoder of a frame. A model is a list of probabilities of a 0, in 1/2048."""
+    """A model, named by words and numbers, is the probability of a 0 in 1/2048, learnt from the bits so far."""
 
-    def __init__(self, data):
-        self.data, self.at, self.range = data, 4, 0xFFFFFFFF
-        self.code = int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+    def __init__(self):
+        self.models = defaultdict(lambda: 1024)
 
-    def _normalise(self):
+    def start(self, data):
+        self.data, self.range, self.code = iter(data[4:]), 0xFFFFFFFF, int.from_bytes(data[:4].ljust(4, b"\0"), "big")
+
+    def bit(self, *model):  # without a model both values are equally likely
+        zero = self.models[model] if model else 0
+        bound = (self.range >> 11) * zero if model else self.range >> 1
+        one = int(self.code >= bound)
+        self.code, self.range = self.code - bound * one, self.range - bound if model and one else bound
+        if model:
+            self.models[model] += -(zero >> 5) if one else (2048 - zero) >> 5
         while self.range < 1 << 24:
-            byte = self.data[self.at] if self.at < len(self.data) else 0
-            self.at, self.range, self.code = self.at + 1, self.range << 8, self.code << 8 | byte
-
-    def bit(self, model, k=0):
-        bound = (self.range >> 11) * model[k]
-        if one := self.code >= bound:
-            self.code, self.range = self.code - bound, self.range - bound
-            model[k] -= model[k] >> 5
-        else:
-            self.range = bound
-            model[k] += (2048 - model[k]) >> 5
-        self._normalise()
-        return int(one)
+            self.range, self.code = self.range << 8, self.code << 8 | next(self.data, 0)
+        return one
 
     def direct(self, bits):
-        value = 0
-        for _ in range(bits):
-            self.range >>= 1
-            one = self.code >= self.range
-            self.code -= self.range * one
-            value = value << 1 | one
-            self._normalise()
-        return value
+        return sum(self.bit() << k for k in reversed(range(bits)))
 
-    def tree(self, model, bits):
+    def one_of(self, values):
+        return values[self.direct((len(values) - 1).bit_length())]
+
+    def mostly_first(self, values, *model):
+        return self.one_of(values[1:]) if len(values) > 1 and self.bit(*model) else values[0]
+
+    def tree(self, bits, *model):
         at = 1
         for _ in range(bits):
-            at = at << 1 | self.bit(model, at)
+            at = at << 1 | self.bit(*model, at)
         return at - (1 << bits)
 
-    def number(self, model):
-        """Its length by a tree, its second bit by a model, the rest directly."""
-        n = self.tree(model[0], 5)
-        if n < 2:
-            return n
-        return (2 | self.bit(model[1], n)) << (n - 2) | self.direct(n - 2)
+    def number(self, *model):  # its length by a tree, its second bit by a model, the rest directly
+        n = self.tree(5, *model)
+        return n if n < 2 else (2 | self.bit(*model, -n)) << n - 2 | self.direct(n - 2)
 
-    def signed(self, model):
-        n = self.number(model)
-        return -n if n and self.direct(1) else n
-
-    def local(self, count, first):
-        """One of `count`, of which the first is likely."""
-        return 1 + self.direct(bits_for(count - 1)) if count > 1 and self.bit(first) else 0
-
-
-def bits_for(count):
-    return (count - 1).bit_length() if count > 1 else 0
-
-
-def models(count, kind=lambda: [[1024] * 32, [1024] * 33]):  # of numbers
-    return [kind() for _ in range(count)]
-
-
-@dataclass
-class Star:
-    first: int  # wedge
-    wedges: int = 1
-    open: bool = False
-    spokes: list = field(default_factory=list)  # [neighbour, wedge in the triangle between it and the next]
-
-    def find(self, vertex):
-        return next(k for k, spoke in enumerate(self.spokes) if spoke[0] == vertex)
-
-    def sectors(self):
-        """(number of a spoke, number of the next one) of each triangle."""
-        n = len(self.spokes)
-        return [(k, (k + 1) % n) for k in range(n - self.open)]
+    def near(self, guess, bits, *model):  # a guess, clamped and rounded, and a difference from it
+        n = self.number(*model)
+        return int(numpy.floor(min(max(guess, 0), 1 << bits) + 0.5)) + (-n if n and self.bit() else n)
 
 
 class Lpm:
-    """positions (model space), errors (normalised), parents, uv, colours and materials by wedge; triangles of wedges."""
+    """positions (of the model), errors (normalised), parents, uv, colours, materials by wedge; triangles of wedges."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
-            self.bytes = file.read()
+            self.bytes, self.at = file.read(), 8
         if self.bytes[:8] != b"LODELPM1":
             raise ValueError(f"{path}: not an .lpm file")
-        length, crc = struct.unpack_from("<II", self.bytes, 8)
-        self.at = 16
-        self.header = h = json.loads(self._take(length, crc))
-        self.stars, self.split_parents, self.wedge_count, self.last = [], [], 0, 0
-        self.places, self.drops, self.uv_steps, self.colours, self.materials = [], [], [], [], []
-        self._make_models()
-        for texture in h["textures"]:
-            if texture.get("thumbnail"):
-                self._frame()
-        self._base(Coder(self._frame()))
-        self.base_vertices = self.wedge_count
-        while (now := len(self.stars)) < h["groups"]:
-            coder = Coder(self._frame())
+        self.header = h = json.loads(self._part("<II"))
+        self.coder, self.places = Coder(), numpy.zeros((h["groups"], 3), int)  # places and the like are in steps
+        self.uv_steps, self.colours = numpy.zeros((h["vertices"], 2), int), numpy.zeros((h["vertices"], 4), int)
+        self.rings, self.corners, self.open, self.wedges = [], [], [], []  # by vertex; the last corner of an open ring
+        self.halves, self.parents, self.materials, self.last = [0x7F80], [], [], 0  # of a vertex means nothing
+        self.thumbnails = [self._part("<III") for texture in h["textures"] if texture.get("thumbnail")]
+        self.coder.start(self._part("<III"))
+        self._base(h["baseGroups"])
+        self.base_vertices = len(self.parents)
+        while (now := len(self.rings)) < h["groups"]:
+            self.coder.start(self._part("<III"))
             for _ in range(min(max(now // 2, 256), 16384, h["groups"] - now)):
-                self._split(coder)
-        self.images = [self._frame() for _ in h["textures"]]  # an empty one: the thumbnail is the image
+                self._split()
+        self.images = [self._part("<III") for _ in h["textures"]]  # an empty one: the thumbnail is the image
         self._assemble()
 
-    def _take(self, length, crc):
-        part = self.bytes[self.at:self.at + length]
-        self.at += length
+    def _part(self, head):  # length, checksum, and of frames the number of vertices so far
+        length, crc = struct.unpack_from(head, self.bytes, self.at)[:2]
+        part = self.bytes[self.at + struct.calcsize(head):][:length]
+        self.at += struct.calcsize(head) + length
         if len(part) < length or zlib.crc32(part) != crc:
             raise ValueError(f"byte {self.at}: the file is damaged")
         return part
 
-    def _frame(self):
-        length, crc, _ = struct.unpack_from("<III", self.bytes, self.at)
-        self.at += 12
-        return self._take(length, crc)
+    def _add(self, parents):
+        self.wedges.append(range(len(self.parents), len(self.parents) + len(parents)))
+        self.parents += parents
 
-    def _make_models(self):
-        self.m_base, self.m_steps, self.m_between, self.m_count = models(2), models(1)[0], models(12), models(4)
-        self.m_at = models(16, lambda: [1024] * 16)
-        self.m_side, self.m_same, self.m_from, self.m_which = [1024] * 2, [1024], [1024], [1024]
-        self.m_a, self.m_b = [1024] * 2, [1024] * 2
-        self.m_error, self.m_material = models(2)
-        self.m_position, self.m_uv, self.m_colour = [models(16), models(16)], models(16), models(4)
+    def _base(self, count):
+        c, h = self.coder, self.header
+        for v in range(count):
+            self._add([0] * c.number("wedges"))
+            self.places[v] = [c.direct(h["positionBits"] + 1) for _ in range(3)]
+            self.halves.append(self.halves[-1] - c.number("error"))
+            for w in self.wedges[v]:
+                self.materials += [c.number("material") - 1] if h["materialIds"] else []
+                self.uv_steps[w] = [c.direct(h["uvBits"] + 1) if h["uv"] else 0 for _ in range(2)]
+                self.colours[w] = [c.direct(8) if h["colours"] else 0 for _ in range(4)]
+        for wedges in self.wedges:
+            self.open.append(c.bit())
+            spokes = [(c.one_of(range(count)), c.one_of(wedges)) for _ in range(c.number("spokes"))]
+            self.rings.append([x for x, _ in spokes])
+            self.corners.append([w for _, w in spokes])
 
-    def _base(self, c):
-        h = self.header
-        for _ in range(h["baseGroups"]):
-            self.stars.append(Star(self.wedge_count, c.number(self.m_base[0])))
-            self.wedge_count += self.stars[-1].wedges
-            self.places.append([c.direct(h["positionBits"] + 1) for _ in range(3)])
-            self._error(c)
-            for _ in range(self.stars[-1].wedges):
-                if h["materialIds"]:
-                    self.materials.append(c.number(self.m_material) - 1)
-                if h["uv"]:
-                    self.uv_steps.append([c.direct(h["uvBits"] + 1) for _ in range(2)])
-                if h["colours"]:
-                    self.colours.append([c.direct(8) for _ in range(4)])
-        for star in self.stars:
-            star.open = bool(c.direct(1))
-            for _ in range(c.number(self.m_base[1])):
-                star.spokes.append([c.direct(bits_for(len(self.stars))), star.first + c.direct(bits_for(star.wedges))])
+    def _split(self):
+        c, v = self.coder, len(self.rings)
+        self.last = p = (self.last + c.number("steps")) % v
+        ring, corners, size = self.rings[p], self.corners[p], len(self.rings[p])
+        side = 1 + c.bit("side", 1) if self.open[p] and c.bit("side", 0) else 0
+        between = c.number("between", min(size, 11))
+        at = size - between - 1 if side == BACK else -1
+        if not side:
+            at = c.tree(4, "at", size) if size <= 16 else c.one_of(range(size))
+        # From a over those between to b; a is missing at the front, b at the back.
+        arc = [ring[(at + k) % size] for k in range(side == FRONT, between + 2 - (side == BACK))]
+        count = c.number("count", min(len(self.wedges[p]), 3)) if self.header["wedges"] else 1
+        parents = [c.mostly_first(self.wedges[p], "from") for _ in range(count)]
+        self._add(parents)
+        own = self.wedges[v]
+        sectors = [own[0]]  # and one more before the first
+        for _ in range(len(arc) + (not side)):
+            same = count == 1 or c.bit("same")
+            sectors.append(sectors[-1] if same else c.mostly_first(own, "which"))
+        ends = [(arc[0], 0)] * (side != FRONT) + [(arc[-1], 1)] * (side != BACK)
+        wedges = [self._beside(x, p, end) for x, end in ends]
+        for x in arc[side != FRONT:len(arc) - (side != BACK)]:
+            self.rings[x][self.rings[x].index(p)] = v
+        for (x, end), wedge in zip(ends, wedges):
+            k = self.rings[x].index(p)
+            self.rings[x].insert(k + end, v)
+            self.corners[x].insert(k, wedge)
+        after, before = (parents[sectors[k] - own[0]] for k in (1, -1))
+        end = at + between + 1
+        corners[at] = after
+        ring[:] = ring[max(end - size, 0):at + 1] + [v] + ring[end:]
+        corners[:] = corners[max(end - size, 0):at + 1] + [before] + corners[end:]
+        self.rings.append(arc + [p] if side == FRONT else [p] + arc)
+        self.corners.append(sectors[1:] + sectors[-1:] * bool(side))
+        self.open.append(bool(side))
+        self._values(v, parents)
 
-    def _error(self, c):
-        self.drops.append((self.drops[-1] if self.drops else 0x7F80) - c.number(self.m_error))
+    def _beside(self, x, p, end):
+        """The wedge in the new triangle of a vertex that both meet: mostly on either side of its edge to the parent."""
+        c, k, corners, own = self.coder, self.rings[x].index(p), self.corners[x], self.wedges[x]
+        if len(own) < 2 or not c.bit("beside", end, 0):
+            return corners[min(k, len(corners) - 1 - self.open[x])]
+        return c.one_of(own) if c.bit("beside", end, 1) else corners[max(k - 1, self.open[x] - 1)]
 
-    def _split(self, c):
-        count = len(self.stars)
-        self.last = p = (self.last + c.number(self.m_steps)) % count
-        u = self.stars[p]
-        size, side = len(u.spokes), INSIDE
-        if u.open and c.bit(self.m_side, 0):
-            side = BACK + c.bit(self.m_side, 1)
-        between = c.number(self.m_between[min(size, 11)])
-        if side == FRONT:
-            at = between
-        elif side == BACK:
-            at = size - between - 1
-        else:
-            at = c.tree(self.m_at[size - 1], 4) if size <= 16 else c.direct(bits_for(size))
-        # The star of the new vertex v: (parent, a, ..., b) inside, (parent, a, ...) at the back, (..., b, parent) at the front.
-        if side == FRONT:
-            ring = [u.spokes[k][0] for k in range(between + 1)] + [p]
-        else:
-            ring = [p] + [u.spokes[(at + k) % size][0] for k in range(between + 2 - side)]
-        v = Star(self.wedge_count, 1, side != INSIDE, [[x, 0] for x in ring])
-        with_a, with_b = side != FRONT, side != BACK
-        a = ring[1] if with_a else None
-        b = (ring[between] if side == FRONT else ring[-1]) if with_b else None
-        parents, wedge_a, wedge_b = self._wedges(c, p, v, a, b)
-        self._values(c, p, v, parents, wedge_a, wedge_b)
-        self._apply(p, v, side, at, between, parents, (a, wedge_a), (b, wedge_b))
+    def _values(self, v, parents):
+        c, h, near = self.coder, self.header, self.places[self.rings[v]]
+        self.halves.append(self.halves[-1] - c.number("error"))
+        spread, middle = near - near[0], near.mean(axis=0)
+        normal = numpy.cross(spread, numpy.roll(spread, -1, axis=0)).sum(axis=0)
+        bend = 0 * middle if self.open[v] else near[0] - 0.5 * (near[1] + near[-1])
+        scale, up, place = min(int(abs(spread).max()).bit_length(), 15), int(abs(normal).argmax()), self.places[v]
+        along = [(up + 1) % 3, (up + 2) % 3]
+        for i in along:
+            place[i] = c.near(middle[i] + 0.25 * bend[i], h["positionBits"], "place", 0, scale)
+        slope = (normal * (place - middle - 0.5 * bend))[along]
+        guess = middle[up] + 0.5 * bend[up] - (slope[0] + slope[1]) / (normal[up] or numpy.inf)
+        place[up] = c.near(guess, h["positionBits"], "place", 1, scale)
+        for w, parent in zip(self.wedges[v], parents):
+            self.materials += [self.materials[parent]] if h["materialIds"] else []
+            if h["uv"]:
+                guess = self._guess_uv(v, w, parent, along, bend)
+                self.uv_steps[w] = [c.near(x, h["uvBits"], "uv", scale) for x in guess]
+            if h["colours"]:
+                self.colours[w] = [x + c.near(0, 0, "colour", k) & 255 for k, x in enumerate(self.colours[parent])]
 
-    def _wedges(self, c, p, v, a, b):
-        """The parents of the wedges of v, its wedge in each sector, and those of a and b in the triangle with v and p."""
-        u = self.stars[p]
-        if not self.header["wedges"]:
-            for spoke in v.spokes:
-                spoke[1] = v.first
-            return [u.first], a is not None and self.stars[a].first, b is not None and self.stars[b].first
-        v.wedges = c.number(self.m_count[min(u.wedges, 3)])
-        parents = [u.first + c.local(u.wedges, self.m_from) for _ in range(v.wedges)]
-        sector = 0
-        for spoke in v.spokes[:len(v.sectors())]:
-            if v.wedges > 1 and not c.bit(self.m_same):
-                sector = c.local(v.wedges, self.m_which)
-            spoke[1] = v.first + sector
-        v.spokes[-1][1] = v.first + sector
-        return (parents, a is not None and self._beside(c, self.stars[a], p, self.m_a),
-                b is not None and self._beside(c, self.stars[b], p, self.m_b))
-
-    def _beside(self, c, star, p, model):
-        """Mostly the wedge on either side of the edge to the parent."""
-        if star.wedges < 2:
-            return star.first
-        at = star.find(p)
-        behind = star.spokes[at - 1 if star.open and at + 1 == len(star.spokes) else at][1]
-        if not c.bit(model, 0):
-            return behind
-        if not c.bit(model, 1):
-            return star.spokes[0 if star.open and at == 0 else at - 1][1]
-        return star.first + c.direct(bits_for(star.wedges))
-
-    def _values(self, c, p, v, parents, wedge_a, wedge_b):
-        self._error(c)
-        fit = Fit(v, self.places)
-        most, place = 1 << self.header["positionBits"], [0, 0, 0]
-        for k, i in enumerate(fit.axis):
-            guess = fit.middle[i] + (0.5 if k == 2 else 0.25) * fit.bend[i]
-            if k == 2 and fit.normal[i] != 0:
-                slope = 0.0
-                for m in fit.axis[:2]:
-                    slope += fit.normal[m] * (place[m] - fit.middle[m] - 0.5 * fit.bend[m])
-                guess -= slope / fit.normal[i]
-            place[i] = nearest(guess, most) + c.signed(self.m_position[k == 2][min(fit.scale, 15)])
-        self.places.append(place)
-        for w, parent in enumerate(parents):
-            if self.header["materialIds"]:
-                self.materials.append(self.materials[parent])
-            if self.header["uv"]:
-                corners = self._corners(p, v, v.first + w, parents, wedge_a, wedge_b)
-                whole = not v.open and len(corners) == 2 * len(v.spokes)
-                guess = fit.guess_uv(corners, self.places, self.uv_steps, parent, place, whole)
-                model = self.m_uv[min(fit.scale, 15)]
-                self.uv_steps.append([nearest(x, 1 << self.header["uvBits"]) + c.signed(model) for x in guess])
-            if self.header["colours"]:
-                self.colours.append([x + c.signed(m) & 255 for x, m in zip(self.colours[parent], self.m_colour)])
-
-    def _corners(self, p, v, wedge, parents, wedge_a, wedge_b):
-        """(vertex, wedge) of the neighbours in the sectors of a wedge of v: of triangles that p has so far, or will have."""
-        def corner(k, m, first):
-            x, y = v.spokes[k][0], v.spokes[m][0]
-            if x == p:
-                return parents[v.spokes[k][1] - v.first] if first else wedge_a
-            if y == p:
-                return wedge_b if first else parents[v.spokes[k][1] - v.first]
-            star = self.stars[x if first else y]
-            return star.spokes[star.find(y if first else p)][1]
-
-        return [(v.spokes[s][0], corner(k, m, s == k)) for k, m in v.sectors() if v.spokes[k][1] == wedge for s in (k, m)]
-
-    def _apply(self, p, v, side, at, between, parents, beside_a, beside_b):
-        new, u, size = len(self.stars), self.stars[p], len(self.stars[p].spokes)
-        after = parents[v.spokes[0][1] - v.first]  # of the parent's wedges, before and after the edge to v
-        before = parents[v.spokes[len(v.sectors()) - 1][1] - v.first]
-        begin = 2 if side != FRONT else 0
-        for x, _ in v.spokes[begin:begin + between]:
-            self.stars[x].spokes[self.stars[x].find(p)][0] = new
-        if side != FRONT:
-            star = self.stars[beside_a[0]]
-            star.spokes.insert(star.find(p), [new, beside_a[1]])
-        if side != BACK:
-            star = self.stars[beside_b[0]]
-            k = star.find(p)
-            star.spokes.insert(k + 1, [new, star.spokes[k][1]])
-            star.spokes[k][1] = beside_b[1]
-        if side == FRONT:
-            u.spokes = [[new, before]] + u.spokes[at:]
-        else:
-            end = at + between + 1  # the spoke of b
-            head = u.spokes[end - size if side == INSIDE and end >= size else 0:at + 1]
-            head[-1][1] = after
-            tail = u.spokes[end:] if side == INSIDE and end < size else []
-            u.spokes = head + [[new, before if side == INSIDE else after]] + tail
-        self.stars.append(v)
-        self.wedge_count += v.wedges
-        self.split_parents += parents
+    def _guess_uv(self, v, wedge, parent, along, bend):
+        """By the linear map from the two axes along the surface to the texture that fits the corners best."""
+        ring, sectors = self.rings[v], len(self.rings[v]) - self.open[v]
+        pairs = [(x, y) for x, y, w in list(zip(ring, ring[1:] + ring[:1], self.corners[v]))[:sectors] if w == wedge]
+        spokes = [spoke for x, y in pairs for spoke in ((x, y), (y, v))]
+        if not spokes:
+            return self.uv_steps[parent]
+        at = self.places[[x for x, _ in spokes]][:, along]
+        uv = self.uv_steps[[self.corners[x][self.rings[x].index(y)] for x, y in spokes]]
+        middle, mean, way = at.mean(axis=0), uv.mean(axis=0), self.places[v][along] - at.mean(axis=0)
+        d = numpy.hstack([at - middle, uv - mean])  # The sums are rounded one by one, as they were when it was written.
+        (xx, xy, *xt), (_, yy, *yt) = (d[:, :2, None] * d[:, None]).cumsum(axis=0)[-1]
+        det = xx * yy - xy * xy
+        if not det > 1e-3 * (xx * yy):
+            return mean
+        if len(pairs) == len(ring):
+            mean, way = mean + 0.5 * (uv[0] - 0.5 * (uv[1] + uv[-2])), way - 0.5 * bend[along]
+        x, y, xt, yt = *way, numpy.array(xt), numpy.array(yt)
+        return mean + (x * (xt * yy - yt * xy) + y * (yt * xx - xt * xy)) / det
 
     def _assemble(self):
-        h = self.header
-        step = h["scale"] / (1 << h["positionBits"])
-        groups = [g for g, star in enumerate(self.stars) for _ in range(star.wedges)]
-        self.positions = [[o + step * x for o, x in zip(h["origin"], self.places[g])] for g in groups]
-        self.errors = [struct.unpack("<f", struct.pack("<I", self.drops[g] << 16))[0] for g in groups]
-        self.parents = [0] * self.base_vertices + self.split_parents
-        self.uv = [[low + x * s for low, x, s in zip(h["uvLow"], uv, h["uvStep"])] for uv in self.uv_steps]
-        wedge = {(v, s.spokes[k][0], s.spokes[m][0]): s.spokes[k][1] for v, s in enumerate(self.stars) for k, m in s.sectors()}
+        h, groups = self.header, [v for v, wedges in enumerate(self.wedges) for _ in wedges]
+        self.positions = h["origin"] + h["scale"] / (1 << h["positionBits"]) * self.places[groups]
+        self.errors = (numpy.array(self.halves[1:], "<u4") << 16).view("<f4")[groups]
+        self.uv = h["uvLow"] + self.uv_steps * h["uvStep"]
+        wedge = {(v, x, y): w for v, ring in enumerate(self.rings) for x, y, w in
+                 list(zip(ring, ring[1:] + ring[:1], self.corners[v]))[:len(ring) - self.open[v]]}
         self.triangles = [(w, wedge[a, b, v], wedge[b, v, a]) for (v, a, b), w in wedge.items() if v < a and v < b]
 
     def level(self, vertices):
         """The triangles of the level of so many vertices: corners follow their parents until they are among these."""
-        at = list(range(len(self.parents)))
+        at = numpy.arange(len(self.parents))
         for v in range(max(vertices, self.base_vertices), len(at)):
             at[v] = at[self.parents[v]]
-        mapped = ((at[a], at[b], at[c]) for a, b, c in self.triangles)
-        return [t for t in mapped if len(set(t)) == 3]
-
-
-def nearest(guess, most):
-    return math.floor(min(max(guess, 0.0), float(most)) + 0.5)
-
-
-class Fit:
-    """The neighbours of a new vertex: their middle, their normal, two axes along them and then the one nearest to it."""
-
-    def __init__(self, star, places):
-        at = [places[x] for x, _ in star.spokes]
-        n, first = len(at), at[0]
-        self.middle = [sum(p[i] for p in at) / n for i in range(3)]
-        self.normal = [0.0] * 3
-        for d, e in zip(at, at[1:] + at[:1]):
-            d, e = [x - f for x, f in zip(d, first)], [x - f for x, f in zip(e, first)]
-            for i in range(3):
-                j, k = (i + 1) % 3, (i + 2) % 3
-                self.normal[i] += d[j] * e[k] - d[k] * e[j]
-        self.bend = [0.0 if star.open else first[i] - 0.5 * (at[1][i] + at[-1][i]) for i in range(3)]
-        last = max(range(3), key=lambda i: (abs(self.normal[i]), -i))
-        self.axis = [(last + 1) % 3, (last + 2) % 3, last]
-        self.scale = max(abs(p[i] - first[i]) for p in at for i in range(3)).bit_length()
-
-    def guess_uv(self, corners, places, uv, parent, place, whole):
-        """By the linear map from the two axes to the texture that fits the corners best."""
-        if not corners:
-            return [float(x) for x in uv[parent]]
-        a, b, n = *self.axis[:2], len(corners)
-        mx, my = sum(places[v][a] for v, _ in corners) / n, sum(places[v][b] for v, _ in corners) / n
-        mean = [sum(uv[w][i] for _, w in corners) / n for i in range(2)]
-        xx = xy = yy = 0.0
-        xt, yt = [0.0, 0.0], [0.0, 0.0]
-        for v, w in corners:
-            x, y = places[v][a] - mx, places[v][b] - my
-            xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
-            for i in range(2):
-                xt[i] += x * (uv[w][i] - mean[i])
-                yt[i] += y * (uv[w][i] - mean[i])
-        det = xx * yy - xy * xy
-        if not det > 1e-3 * (xx * yy):
-            return mean
-        x, y = place[a] - mx, place[b] - my
-        if whole:
-            end = [uv[corners[k][1]] for k in (0, 1, -2)]
-            mean = [m + 0.5 * (end[0][i] - 0.5 * (end[1][i] + end[2][i])) for i, m in enumerate(mean)]
-            x, y = x - 0.5 * self.bend[a], y - 0.5 * self.bend[b]
-        return [mean[i] + (x * (xt[i] * yy - yt[i] * xy) + y * (yt[i] * xx - xt[i] * xy)) / det for i in range(2)]
+        return [t for t in at[numpy.array(self.triangles)].tolist() if len(set(t)) == 3]
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 #include "parallel/mesh/generate.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include "core/files/atomic_file.h"
 #include "core/formats/mesh_file.h"
 #include "core/formats/ply/ply.h"
+#include "parallel/scheduler/first_touch.h"
 
 namespace lodestone {
 namespace {
@@ -20,6 +22,22 @@ constexpr std::size_t entry_grain = 1 << 16;
 constexpr std::size_t vertex_bytes = 3 * sizeof(float);
 
 }  // namespace
+
+RawMesh generate_mesh(const GenerateConfig& config, Scheduler& scheduler) {
+  const GeneratedSurface surface(config);
+  const std::size_t vertices = surface.vertex_count(), triangles = surface.triangle_count();
+  RawMesh mesh;
+  resize_in_parallel(mesh.positions, vertices, scheduler);
+  resize_in_parallel(mesh.triangles, triangles, scheduler);
+  scheduler.name_work("generating");
+  scheduler.for_chunks(vertices + triangles, entry_grain, [&](ChunkRange range) {
+    for (std::size_t i = range.begin; i < std::min(range.end, vertices); ++i)
+      mesh.positions[i] = to_double(surface.vertex(i));
+    for (std::size_t i = std::max(range.begin, vertices); i < range.end; ++i)
+      mesh.triangles[i - vertices] = surface.triangle(i - vertices);
+  });
+  return mesh;
+}
 
 GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem::path& target, Scheduler& scheduler,
                             const CancelFlag* cancel, const std::function<void(double)>& progress) {

@@ -1,4 +1,4 @@
-// Streaming a generated surface into a file, in parallel.
+// Generating surfaces in parallel: as a mesh in memory, or streamed into a file.
 #pragma once
 
 #include <filesystem>
@@ -12,6 +12,10 @@ namespace lodestone {
 struct GenerateResult {
   std::uint64_t vertices = 0, triangles = 0, bytes = 0;
 };
+
+// The same as generate_mesh of the configuration alone, in one loop over all vertices and triangles. Throws InputError
+// for a bad config, and what the scheduler throws.
+[[nodiscard]] RawMesh generate_mesh(const GenerateConfig& config, Scheduler& scheduler);
 
 // Writes binary little-endian PLY (float positions, `list uchar int` faces) aside and renames it. Memory: about a
 // mebibyte per worker, whatever the size. Throws InputError for a bad config, FileError when the file cannot be

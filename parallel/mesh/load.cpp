@@ -45,10 +45,22 @@ std::optional<RawMesh> drain(const MeshStream& stream, Scheduler& scheduler) {
   return mesh;
 }
 
+// The same, and ends the reading of a file from front to back when a watched scheduler is cancelled: it looks at its
+// flag at the beginning of every loop, be it empty.
+ReadConfig watched(const ReadConfig& config, Scheduler& scheduler) {
+  ReadConfig out = config;
+  out.progress = [&scheduler, inner = config.progress](double share) {
+    scheduler.for_chunks(0, 1, [](ChunkRange) {});
+    if (inner) inner(share);
+  };
+  return out;
+}
+
 // Reads tiles side by side and puts them together in their order, so many at a time that images which they share are
 // not held for each of them. If there are several errors, that of the first tile is thrown.
-RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& scheduler) {
+RawMesh load_tileset(ByteReader& head, ReadConfig config, Scheduler& scheduler) {
   constexpr std::size_t at_a_time = 64;
+  config.progress = {};  // the scheduler is watched
   TileList list = list_tiles(head);
   RawMesh mesh;
   mesh.warnings = std::move(list.warnings);
@@ -74,8 +86,9 @@ RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& sche
 
 }  // namespace
 
-RawMesh load_mesh(const std::filesystem::path& given, Scheduler& scheduler, const ReadConfig& config) {
+RawMesh load_mesh(const std::filesystem::path& given, Scheduler& scheduler, const ReadConfig& asked) {
   const std::filesystem::path path = mesh_path(given);
+  const ReadConfig config = watched(asked, scheduler);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return read_mesh(path, config);
   ByteReader head = open_mesh_file(path, config);

@@ -20,8 +20,8 @@ struct Watch {
 // Passes all work on to `inner`, and throws Cancelled out of it soon after the flag is set: before the next chunk or
 // task. So load_mesh, prepare_mesh, save_lode, load_lode, compare_meshes, make_progressive, reconstruct and every other
 // function that takes a scheduler can be cancelled and tell how far it is. Files are written completely or not at all
-// then, too. A step that runs on one thread alone, such as reading a text file, ends before it is noticed.
-// `inner` and the flag outlive the result.
+// then, too. Reading a text file ends within a mebibyte of it; another step that runs on one thread alone ends before
+// the flag is noticed. `inner` and the flag outlive the result.
 [[nodiscard]] std::unique_ptr<Scheduler> make_watched_scheduler(Scheduler& inner, Watch watch);
 
 }  // namespace lodestone

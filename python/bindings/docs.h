@@ -35,11 +35,11 @@ as of Mesh, instead of what the format says. Returns a Mesh. Raises InputError f
 one that cannot be read, UnsupportedError for an unknown format, ResourceError for one too large.)";
 
 inline constexpr const char* generate =
-    R"(generate(shape, *, triangles=1000000, seed=1, progress=None)
+    R"(generate(shape, *, triangles=1000000, seed=1, threads=0, progress=None)
 
 A surface in closed form: shape is 'sphere', 'terrain', 'torus', 'box' or 'pile'. triangles: 12 to 2e9, the nearest
-regular grid is taken; seed: of the displacement. Ctrl-C counts when the mesh is there. Returns a Mesh, the same on
-every machine. Raises InputError for another shape or a number out of range.)";
+regular grid is taken; seed: of the displacement. Returns a Mesh, the same on every machine. Raises InputError for
+another shape or a number out of range.)";
 
 inline constexpr const char* build =
     R"(build(mesh, *, sigma0=0.2, cell_triangles=4600, finest_level=-1, simplifier='quadric', placement=None,
@@ -70,8 +70,9 @@ inline constexpr const char* verify =
 
 Checks every invariant independently of the builder, as `lodestone verify` does. input: the Mesh or file that it was
 built from, with which the finest level is compared triangle by triangle. About a second per million triangles;
-Ctrl-C counts when that is over. Returns a dict: 'valid'; 'checks', a list of dicts with 'name', 'passed' and
-'detail'; 'sampled_over_error', by level the largest distance found over the level's error. Raises what read raises.)";
+Ctrl-C counts at the next of its steps, four and one per level. Returns a dict: 'valid'; 'checks', a list of dicts
+with 'name', 'passed' and 'detail'; 'sampled_over_error', by level the largest distance found over the level's error.
+Raises what read raises.)";
 
 inline constexpr const char* hierarchy =
     R"(Levels of detail of a mesh on a cubic grid, from build or load. Nothing in it changes.

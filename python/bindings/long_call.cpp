@@ -29,6 +29,11 @@ void LongCall::report(const std::string& step, double share) {
   news_ = {step, share};
 }
 
+void LongCall::report_or_stop(const std::string& step, double share) {
+  if (cancel_) throw Cancelled{};
+  report(step, share);
+}
+
 void LongCall::tell() {
   const py::gil_scoped_acquire held;
   if (failure_) return;

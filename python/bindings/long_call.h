@@ -31,6 +31,8 @@ class LongCall {
   [[nodiscard]] const CancelFlag* cancel() const { return &cancel_; }
   // From any thread.
   void report(const std::string& step, double share);
+  // The same, for work on one thread that goes no further when the call has been stopped: throws Cancelled.
+  void report_or_stop(const std::string& step, double share);
 
   // The result of the work, which may not touch Python.
   template <class Work>

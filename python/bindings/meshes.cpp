@@ -12,7 +12,9 @@
 #include "experiments/subjects/reconstruct.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/compare.h"
+#include "parallel/mesh/generate.h"
 #include "parallel/mesh/load.h"
+#include "parallel/scheduler/watched.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bind.h"
 #include "python/bindings/docs.h"
@@ -72,6 +74,7 @@ MeshPtr read(const fs::path& path, const py::kwargs& given) {
   LongCall call(options);
   options.finish();
   call.report("reading", 0);
+  config.progress = [&](double share) { call.report("reading", share); };
   return call.run([&] { return std::make_shared<RawMesh>(load_mesh(path, call.scheduler(), config)); });
 }
 
@@ -81,10 +84,14 @@ MeshPtr generate(const std::string& shape_name, const py::kwargs& given) {
   config.shape = shape_named(shape_name);
   options.take("triangles", config.triangles);
   options.take("seed", config.seed);
-  LongCall call(options, LongCall::Threads::none);
+  LongCall call(options);
   options.finish();
   call.report("generating", 0);
-  return call.run([&] { return std::make_shared<RawMesh>(generate_mesh(config)); });
+  const auto scheduler =
+      make_watched_scheduler(call.scheduler(), {.progress = [&](const std::string& work, double share) {
+                               if (!work.empty()) call.report(work, share);
+                             }});
+  return call.run([&] { return std::make_shared<RawMesh>(generate_mesh(config, *scheduler)); });
 }
 
 std::vector<std::string> save_mesh(const RawMesh& mesh, const fs::path& path) {
@@ -175,7 +182,7 @@ MeshSource mesh_source(const py::object& given) {
 RawMesh take_mesh(const MeshSource& source, LongCall& call) {
   if (source.mesh) return *source.mesh;
   call.report("reading", 0);
-  return load_mesh(source.path, call.scheduler());
+  return load_mesh(source.path, call.scheduler(), {.progress = [&](double share) { call.report("reading", share); }});
 }
 
 void bind_meshes(py::module_& module) {

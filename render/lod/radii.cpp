@@ -45,10 +45,6 @@ double radius_over_error(const RadiiConfig& config) {
                   radius(std::nextafter(config.vertical_fov, infinity)));
 }
 
-double norm(DistanceMetric metric, Vec3d v) {
-  return metric == DistanceMetric::chebyshev ? std::max({v.x, v.y, v.z}) : length(v);
-}
-
 // The box rule (docs/decisions/0055), fine to coarse.
 class AdaptiveRadii {
  public:

@@ -93,8 +93,8 @@ VerifyCheck verify_radii(const Hierarchy& hierarchy) {
   return check.result();
 }
 
-VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input) {
-  VerifyReport report = verify_hierarchy(hierarchy, input);
+VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input, const VerifyProgress& progress) {
+  VerifyReport report = verify_hierarchy(hierarchy, input, progress);
   if (report.find("structure")->passed) report.checks.push_back(verify_radii(hierarchy));
   return report;
 }

@@ -13,7 +13,8 @@ namespace lodestone {
 // The same for tolerances of 0.1 to 64 pixels and both metrics. O(signatures) for each of them.
 [[nodiscard]] VerifyCheck verify_radii(const Hierarchy& hierarchy);
 
-// verify_hierarchy, and after its checks `radii`, if `structure` holds.
-[[nodiscard]] VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input = nullptr);
+// verify_hierarchy, and after its checks `radii`, if `structure` holds. `progress` is that of verify_hierarchy.
+[[nodiscard]] VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input = nullptr,
+                                             const VerifyProgress& progress = {});
 
 }  // namespace lodestone

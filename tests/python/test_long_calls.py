@@ -71,6 +71,15 @@ def test_ctrl_c(large):
     assert lodestone.build(large, cell_triangles=100000).finest >= 1
 
 
+def shares_of(step, work):
+    """Of a call; they must grow from 0 on."""
+    calls = []
+    work(lambda *call: calls.append(call))
+    shares = [share for name, share in calls if name == step]
+    assert shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1
+    return shares
+
+
 class Stop(Exception):
     pass
 
@@ -96,6 +105,63 @@ def test_exceptions_of_the_callback(large, tmp_path):
         for _ in range(100):
             hierarchy.save(tmp_path / "a.lode", progress=stop)
     assert [file.name for file in tmp_path.iterdir()] == ["a.lode"]
+
+
+@pytest.fixture(scope="module")
+def text_files(large, tmp_path_factory):
+    """A mesh as OBJ and as ASCII PLY, some ten megabytes each."""
+    folder = tmp_path_factory.mktemp("text")
+    large.save(folder / "a.obj")
+    points = "".join(f"{x} {y} {z}\n" for x, y, z in large.positions.tolist())
+    faces = "".join(f"3 {a} {b} {c}\n" for a, b, c in large.triangles.tolist())
+    (folder / "a.ply").write_text(
+        f"ply\nformat ascii 1.0\nelement vertex {len(large.positions)}\nproperty double x\nproperty double y\n"
+        f"property double z\nelement face {len(large.triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+        + points + faces)
+    return [folder / "a.obj", folder / "a.ply"]
+
+
+def test_text_files_report_and_stop(text_files, large):
+    def stop_midway(step, share):
+        if share > 0:
+            raise Stop(step)
+
+    for file in text_files:
+        assert shares_of("reading", lambda progress: lodestone.read(file, progress=progress))[-1] > 0.5
+        begin = time.monotonic()
+        lodestone.read(file)
+        whole, begin = time.monotonic() - begin, time.monotonic()
+        with pytest.raises(Stop, match="reading"):
+            lodestone.read(file, progress=stop_midway)
+        assert time.monotonic() - begin < 0.7 * whole + 0.1
+        with pytest.raises(Stop, match="reading"):
+            lodestone.build(file, progress=stop_midway)
+        assert len(lodestone.read(file).triangles) == len(large.triangles)
+
+
+def test_generate_reports_and_stops():
+    def generate(progress=None):
+        return lodestone.generate("terrain", triangles=3000000, threads=1, progress=progress)
+
+    assert len(shares_of("generating", generate)) > 1
+    begin = time.monotonic()
+    with pytest.raises(Stop, match="generating"):
+        generate(stop)
+    assert time.monotonic() - begin < 5
+    one, four = (lodestone.generate("torus", triangles=200000, threads=n) for n in (1, 4))
+    assert (one.positions == four.positions).all() and (one.triangles == four.triangles).all()
+
+
+def test_verify_reports_and_stops(large):
+    hierarchy = lodestone.build(large)
+    shares = shares_of("verifying", lambda progress: lodestone.verify(hierarchy, progress=progress))
+    assert len(shares) > 2 and shares[-1] == 1
+    begin = time.monotonic()
+    lodestone.verify(hierarchy)
+    whole, begin = time.monotonic() - begin, time.monotonic()
+    with pytest.raises(Stop, match="verifying"):
+        lodestone.verify(hierarchy, progress=stop)
+    assert time.monotonic() - begin < 0.9 * whole
 
 
 def test_calls_in_several_threads(tmp_path):

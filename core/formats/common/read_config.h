@@ -14,6 +14,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 #include "core/files/scalar_type.h"
@@ -36,6 +37,9 @@ struct ReadConfig {
   bool fill_voids = false;                     // of height grids; false: voids remain open
   std::optional<RawGridFormat> raw_grid = {};  // the file has this format if its extension names no other
   std::optional<UpAxis> up = {};               // instead of what the format says, or is guessed of it
+  // Gets the share of the file that has been read, in (0, 1], about once a mebibyte; what it throws ends the reading.
+  // load_mesh calls it for files that it reads from front to back, such as text.
+  std::function<void(double share)> progress = {};
 };
 
 }  // namespace lodestone

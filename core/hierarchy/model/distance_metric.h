@@ -23,6 +23,12 @@ inline constexpr int distance_metric_count = 2;
   return std::sqrt((ax * ax + ay * ay) + az * az);
 }
 
+// Norm of any vector, in double: for proofs and measures, not for what is drawn.
+[[nodiscard]] inline double norm(DistanceMetric metric, Vec3d v) {
+  if (metric == DistanceMetric::chebyshev) return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return length(v);
+}
+
 [[nodiscard]] inline float distance(DistanceMetric metric, Vec3f viewpoint, Vec3f p) {
   return norm(metric, std::abs(p.x - viewpoint.x), std::abs(p.y - viewpoint.y), std::abs(p.z - viewpoint.z));
 }

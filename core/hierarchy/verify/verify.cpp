@@ -45,6 +45,20 @@ bool check_structure(const Hierarchy& hierarchy, Finding& structure) {
   return sound;
 }
 
+// Counts the steps of a run: the cells, the identities of each level, shapes, errors, and the rest.
+class Steps {
+ public:
+  Steps(std::size_t count, const VerifyProgress& progress) : count_(count), progress_(progress) {}
+  void next() {
+    ++done_;
+    if (progress_) progress_(static_cast<double>(done_) / static_cast<double>(count_));
+  }
+
+ private:
+  std::size_t count_, done_ = 0;
+  const VerifyProgress& progress_;
+};
+
 }  // namespace
 }  // namespace verify
 
@@ -57,7 +71,7 @@ const VerifyCheck* VerifyReport::find(const std::string& name) const {
   return at == checks.end() ? nullptr : &*at;
 }
 
-VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input) {
+VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input, const VerifyProgress& progress) {
   using namespace verify;
   Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
       vertices("vertices"), triangles("triangles"), displacement("displacement"), lattice("lattice"), edges("edges"),
@@ -65,10 +79,12 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
       textures("textures"), signatures("signatures"), same("input");
   const bool has_wedges = hierarchy.attributes.wedges;
   VerifyReport report;
+  Steps steps(4 + static_cast<std::size_t>(hierarchy.finest()), progress);
 
   if (check_structure(hierarchy, structure)) {
     check_cells(hierarchy, cells);
     check_partition(hierarchy, partition);
+    steps.next();
     LevelIdentity fine = identify(hierarchy, hierarchy.finest());
     check_copies(hierarchy, hierarchy.finest(), fine, identity);
     if (has_wedges) {
@@ -85,17 +101,21 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
       if (has_wedges) group_by_parents(hierarchy, level, fine, coarse, wedges);
       check_images(hierarchy, level - 1, coarse, vertices, triangles);
       fine = std::move(coarse);
+      steps.next();
     }
     check_displacements(hierarchy, displacement);
     check_lattice(hierarchy, lattice);
     check_edges(hierarchy, edges);
     check_boxes(hierarchy, boxes);
     check_reach(hierarchy, reach);
+    steps.next();
     report.error_ratio = check_errors(hierarchy, errors);
+    steps.next();
     if (has_wedges) check_wedges(hierarchy, wedges);
     if (hierarchy.signatures) check_signatures(hierarchy, signatures);
     check_textures(hierarchy, textures);
     if (input) check_input(hierarchy, *input, same);
+    steps.next();
   } else {
     for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
                              &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &signatures, &textures, &same})

@@ -6,6 +6,7 @@
 // than the recomputed value and at most `bound_slack` of it more.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,10 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //
 // Time: about one second per million triangles of M_L at most; memory: a few words per vertex of two levels, and 24
 // bytes per input triangle for `input`.
-[[nodiscard]] VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input = nullptr);
+//
+// `progress` gets the share of the steps that are done, in (0, 1], after each of them; what it throws ends the call.
+using VerifyProgress = std::function<void(double share)>;
+[[nodiscard]] VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input = nullptr,
+                                            const VerifyProgress& progress = {});
 
 }  // namespace lodestone

@@ -49,11 +49,6 @@ Vec3d farthest_corner(Vec3f p, const Box3f& box) {
   return {far(box.lo.x, box.hi.x, p.x), far(box.lo.y, box.hi.y, p.y), far(box.lo.z, box.hi.z, p.z)};
 }
 
-double norm(DistanceMetric metric, Vec3d v) {
-  if (metric == DistanceMetric::chebyshev) return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return length(v);
-}
-
 // Beyond the corner by `radius`: z + radius (z - u) / d(u, z). In both metrics the box's nearest point is then z.
 Vec3f viewpoint_beyond(DistanceMetric metric, Vec3f u, const Box3f& box, double radius) {
   const Vec3d z = farthest_corner(u, box), way = z - to_double(u);
