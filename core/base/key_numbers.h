@@ -42,6 +42,8 @@ class KeyNumbers {
     this->number(std::span(&key, 1), &number);
     return number;
   }
+  // Asks for the place of a key that will be numbered soon, for tables beyond the caches.
+  void prefetch(const Key& key) const { __builtin_prefetch(slots_.data() + (Hash{}(key) >> shift_)); }
   // The numbers of several keys, which may take their place.
   void number(std::span<const Key> keys, std::uint32_t* numbers) {
     while (!keys.empty()) {

@@ -1,7 +1,6 @@
 #include "core/hierarchy/model/find_signatures.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <numeric>
@@ -15,22 +14,33 @@ namespace {
 
 using Cells = std::vector<CellId>;
 
+// Both transparent, so that a set is looked up without a copy of it.
 struct CellsHash {
-  std::size_t operator()(const Cells& cells) const {
+  using is_transparent = void;
+  std::size_t operator()(std::span<const CellId> cells) const {
     std::uint64_t hash = cells.size();
     for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
     return hash;
   }
 };
 
-using Position = std::array<std::uint32_t, 3>;  // bits; -0 is 0
+struct SameCells {
+  using is_transparent = void;
+  bool operator()(std::span<const CellId> a, std::span<const CellId> b) const { return std::ranges::equal(a, b); }
+};
+
+// Bits; -0 is 0. Compared without a branch: most positions are there already.
+struct Position {
+  std::uint32_t x, y, z;
+  bool operator==(const Position& o) const { return ((x ^ o.x) | (y ^ o.y) | (z ^ o.z)) == 0; }
+};
 
 struct PositionHash {
   std::uint64_t operator()(const Position& p) const {
     constexpr std::uint64_t odd = 0x9e37'79b9'7f4a'7c15u;
-    std::uint64_t hash = (p[0] | std::uint64_t{p[1]} << 32) * odd;
+    std::uint64_t hash = (p.x | std::uint64_t{p.y} << 32) * odd;
     hash ^= hash >> 32;
-    return (hash ^ p[2]) * odd;
+    return (hash ^ p.z) * odd;
   }
 };
 
@@ -41,14 +51,16 @@ Position bits_of(Vec3f p) {
 
 // Distinct sets of cells by number: some may be united with others.
 struct LevelSets {
-  std::unordered_map<Cells, std::uint32_t, CellsHash> number_of;
+  std::unordered_map<Cells, std::uint32_t, CellsHash, SameCells> number_of;
   std::vector<Cells> sets;
   std::vector<std::uint32_t> joined;  // by set: the one that it became a part of, or itself
 
-  std::uint32_t number(const Cells& cells) {
-    const auto [found, is_new] = number_of.try_emplace(cells, static_cast<std::uint32_t>(sets.size()));
-    if (is_new) joined.push_back(found->second), sets.push_back(cells);
-    return found->second;
+  std::uint32_t number(std::span<const CellId> cells) {
+    if (const auto found = number_of.find(cells); found != number_of.end()) return found->second;
+    const auto next = static_cast<std::uint32_t>(sets.size());
+    joined.push_back(next);
+    number_of.emplace(sets.emplace_back(cells.begin(), cells.end()), next);
+    return next;
   }
   std::uint32_t final_of(std::uint32_t set) const {
     while (joined[set] != set) set = joined[set];
@@ -95,21 +107,31 @@ struct Uses {
   }
 };
 
-Uses uses_of(const Level& level, std::span<const std::vector<Vec3f>> positions) {
+Uses uses_of(const Level& level, std::span<const std::vector<SharedVertex>> shared) {
   Uses uses;
+  const std::size_t copies = std::transform_reduce(shared.begin(), shared.end(), std::size_t{0}, std::plus{},
+                                                   [](const auto& of_cell) { return of_cell.size(); });
+  uses.number.resize(copies);
   KeyNumbers<Position, PositionHash> numbers;
-  numbers.clear(std::transform_reduce(positions.begin(), positions.end(), std::size_t{0}, std::plus{},
-                                      [](const auto& of_cell) { return of_cell.size(); }) /
-                2);
-  for (const std::vector<Vec3f>& of_cell : positions)
-    for (const Vec3f p : of_cell) uses.number.push_back(numbers.number(bits_of(p)));
+  numbers.clear(copies / 2);
+  std::vector<Position> keys;
+  auto number = uses.number.begin();
+  for (const std::vector<SharedVertex>& of_cell : shared) {
+    keys.clear();
+    for (const SharedVertex& v : of_cell) {
+      keys.push_back(bits_of(v.position));
+      numbers.prefetch(keys.back());
+    }
+    numbers.number(keys, std::to_address(number));
+    number += static_cast<std::ptrdiff_t>(keys.size());
+  }
   std::vector<std::uint32_t> last(numbers.size(), no_cell);
   uses.first.assign(numbers.size() + 1, 0);
   const auto for_uses = [&](const auto& visit) {  // of a position by a cell, once
     std::ranges::fill(last, std::uint32_t{no_cell});
-    auto number = uses.number.begin();
-    for (std::size_t rank = 0; rank < positions.size(); ++rank)
-      for (std::size_t k = 0; k < positions[rank].size(); ++k, ++number)
+    number = uses.number.begin();
+    for (std::size_t rank = 0; rank < shared.size(); ++rank)
+      for (std::size_t k = 0; k < shared[rank].size(); ++k, ++number)
         if (std::exchange(last[*number], static_cast<std::uint32_t>(rank)) != rank)
           visit(*number, level.id_of(CellRank(rank)));
   };
@@ -127,20 +149,19 @@ SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most) : ta
   assert(most >= 2 && most <= Signatures::most);
 }
 
-void SignatureFinder::begin_level() {
-  positions_.assign(level().cell_count, {});
-  errors_.assign(level().cell_count, {});
-}
+void SignatureFinder::begin_level() { shared_.assign(level().cell_count, {}); }
 
 void SignatureFinder::add(CellId id, const Cell& cell) {
   const std::span<const Vec3f> positions = cell.positions.subspan(cell.first_shared());
-  positions_[level().rank_of(id)].assign(positions.begin(), positions.end());
-  errors_[level().rank_of(id)].assign(cell.border_errors.begin(), cell.border_errors.end());
+  std::vector<SharedVertex>& shared = shared_[level().rank_of(id)];
+  shared.reserve(positions.size());
+  for (std::size_t k = 0; k < positions.size(); ++k)
+    shared.push_back({positions[k], cell.border_errors.empty() ? tables_.cells[id].error : cell.border_errors[k]});
 }
 
 void SignatureFinder::end_level() {
   const Level& level = this->level();
-  const Uses uses = uses_of(level, positions_);
+  const Uses uses = uses_of(level, shared_);
   LevelSets found;
   std::vector<std::vector<std::uint32_t>> of_cell(level.cell_count);  // its sets of two cells and more
   constexpr std::uint32_t alone = ~std::uint32_t{0};
@@ -148,7 +169,7 @@ void SignatureFinder::end_level() {
   for (std::uint32_t n = 0; n < set_of.size(); ++n) {
     const std::span<const CellId> cells = uses.of(n);
     if (cells.size() == 1) continue;
-    set_of[n] = found.number({cells.begin(), cells.end()});
+    set_of[n] = found.number(cells);
     for (const CellId cell : cells)
       if (auto& sets = of_cell[level.rank_of(cell)]; sets.empty() || sets.back() != set_of[n])
         sets.push_back(set_of[n]);
@@ -171,11 +192,11 @@ void SignatureFinder::end_level() {
   const std::size_t first_error = table_.errors.size();
   table_.errors.resize(table_.sizes.size(), 0);
   auto number = uses.number.begin();
-  for (std::size_t rank = 0; rank < positions_.size(); ++rank) {
+  for (std::size_t rank = 0; rank < shared_.size(); ++rank) {
     std::vector<std::uint32_t>& sets = of_cell[rank];
     for (std::uint32_t& set : sets) set = rank_of[set];
     std::ranges::sort(sets);
-    for (std::size_t k = 0; k < positions_[rank].size(); ++k) {
+    for (std::size_t k = 0; k < shared_[rank].size(); ++k) {
       const std::uint32_t set = set_of[*number++];
       if (set == alone) {
         table_.places.push_back(0);
@@ -183,12 +204,11 @@ void SignatureFinder::end_level() {
       }
       const std::uint32_t final = rank_of[found.final_of(set)];
       table_.places.push_back(static_cast<std::uint8_t>(1 + (std::ranges::lower_bound(sets, final) - sets.begin())));
-      const float error = errors_[rank].empty() ? tables_.cells[level.id_of(CellRank(rank))].error : errors_[rank][k];
-      table_.errors[first_error + final] = std::max(table_.errors[first_error + final], error);
+      table_.errors[first_error + final] = std::max(table_.errors[first_error + final], shared_[rank][k].error);
     }
   }
   table_.sets.push_back(static_cast<std::uint32_t>(order.size()));
-  positions_.clear(), errors_.clear();
+  shared_.clear();
 }
 
 Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {

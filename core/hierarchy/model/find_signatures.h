@@ -11,6 +11,12 @@
 
 namespace lodestone {
 
+// A vertex that cells share: its place, and the error of the surface around it within one of them.
+struct SharedVertex {
+  Vec3f position;
+  float error = 0;
+};
+
 // Takes a level at a time, from the root, so that the cells need not be in memory together. Vertices are told apart by
 // their positions: wedges of one position share a signature, as do vertices that happen to lie at the same place.
 // Memory: 16 bytes per shared vertex of one level, 32 more while the level ends.
@@ -33,8 +39,7 @@ class SignatureFinder {
 
   const Hierarchy& tables_;
   std::size_t most_;
-  std::vector<std::vector<Vec3f>> positions_;  // by rank
-  std::vector<std::vector<float>> errors_;     // likewise; empty: that of the cell
+  std::vector<std::vector<SharedVertex>> shared_;  // by rank
   Signatures::Table table_;
 };
 
