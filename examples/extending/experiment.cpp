@@ -43,7 +43,7 @@ int main(int argc, char** argv) try {
   add_experiment({.name = "reduction",
                   .question = "How much smaller is each level than the next finer one?",
                   .parameters = {{"threads", 1, "", "workers", 0, 4096, {}},
-                                 {"cell_triangles", 4600, "", "mean triangles per finest cell", 1, 1e9, {}}},
+                                 {"cell_triangles", 1200, "", "mean triangles per finest cell", 1, 1e9, {}}},
                   .columns = {{"levels", "", "of the hierarchy", count},
                               {"reduction", "", "triangles of a level over those of the next finer one", accuracy},
                               {"cpu_seconds", "s", "of the build", cost}},

@@ -69,7 +69,7 @@ TEST_F(Watched, EndsAtAnyPointAndLeavesNoFile) {
   all_of_it(*make_watched_scheduler(*inner, {.progress = [&](const std::string&, double) { ++steps; }}));
   ASSERT_GT(steps, 50u);
   std::size_t unsaved = 0;
-  for (std::size_t end = 1; end < steps; end += steps / 12) {
+  for (std::size_t end = 1; end + 2 < steps; end += steps / 12) {  // in the last two steps nothing is left to begin
     std::filesystem::remove(model_);
     CancelFlag cancel{false};
     std::size_t step = 0;
