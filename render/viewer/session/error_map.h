@@ -5,25 +5,17 @@
 #include <vector>
 
 #include "render/scene/scene_view.h"
+#include "render/viewer/session/heat_scale.h"
 
 namespace lodestone::viewer {
 
-// The range of the errors above 0 of all cells, in units of the scene; least = most = 0 if there are none.
-struct ErrorRange {
-  double least = 0, most = 0;
-};
-[[nodiscard]] ErrorRange error_range(const SceneView& scene);
-
-// Errors fall into steps of equal ratio; step 0 is that of cells without one, those of the input.
-inline constexpr int error_steps = 16;
-[[nodiscard]] int error_step(double error, const ErrorRange& range);    // in [0, error_steps]
-[[nodiscard]] double error_of_step(int step, const ErrorRange& range);  // the middle of a step; step above 0
-[[nodiscard]] Vec3f error_colour(int step);
+// That of the errors of all cells, in units of the scene.
+[[nodiscard]] HeatRange error_range(const SceneView& scene);
 
 class ErrorMap {
  public:
   // The frame, and the range of the scene's errors. Valid until the next call.
-  [[nodiscard]] const Frame& of(const Frame& frame, const SceneView& scene, const ErrorRange& range);
+  [[nodiscard]] const Frame& of(const Frame& frame, const SceneView& scene, const HeatRange& range);
 
  private:
   Frame frame_;

@@ -31,18 +31,28 @@ Legend overdraw_counts() {
   return legend;
 }
 
-Legend errors_in(const ErrorRange& range) {
-  Legend legend{"stored error", {{error_colour(0), "0, the input"}}};
-  if (!(range.most > 0)) return legend;
-  const auto add = [&](int step, double error) {
+void add_heat(Legend& legend, const HeatRange& range) {
+  if (!(range.most > 0)) return;
+  const auto add = [&](int step, double figure) {
     char label[32];
-    std::snprintf(label, sizeof label, "%.2g", error);
-    legend.entries.push_back({error_colour(step), label});
+    std::snprintf(label, sizeof label, "%.2g", figure);
+    legend.entries.push_back({heat_colour(step), label});
   };
   if (!(range.most > range.least))
-    add(error_step(range.most, range), range.most);
+    add(heat_step(range.most, range), range.most);
   else
-    for (int step = 1; step <= error_steps; step += 3) add(step, error_of_step(step, range));
+    for (int step = 1; step <= heat_steps; step += 3) add(step, heat_of_step(step, range));
+}
+
+Legend errors_in(const HeatRange& range) {
+  Legend legend{"stored error", {{heat_colour(0), "0, the input"}}};
+  add_heat(legend, range);
+  return legend;
+}
+
+Legend radii_in(const HeatRange& range) {
+  Legend legend{"radius of the cell", {}};
+  add_heat(legend, range);
   return legend;
 }
 
@@ -59,14 +69,17 @@ Legend band_shares() {
 
 }  // namespace
 
-std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame, const ErrorRange& range) {
-  if (settings.overdraw) return {overdraw_counts()};
+std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame, const HeatRange& errors,
+                               const HeatRange& radii) {
   std::vector<Legend> legends;
-  if (settings.errors)
-    legends.push_back(errors_in(range));
+  if (settings.overdraw)
+    legends.push_back(overdraw_counts());
+  else if (settings.errors)
+    legends.push_back(errors_in(errors));
   else if (settings.tint)
     legends.push_back(levels_of(frame));
-  if (settings.band) legends.push_back(band_shares());
+  if (settings.band && !settings.overdraw) legends.push_back(band_shares());
+  if (settings.boxes && radii.most > 0) legends.push_back(radii_in(radii));
   return legends;
 }
 

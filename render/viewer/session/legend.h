@@ -20,8 +20,9 @@ struct Legend {
 };
 
 // Those of a frame that was drawn with these settings, none where the surface has its own colours: the levels that are
-// drawn, triangles over a pixel, errors in `range`, or the share of the finer level in the blending band.
+// drawn, triangles over a pixel, errors of a range, or the share of the finer level in the blending band; besides, the
+// radii of cells whose boxes are shown.
 [[nodiscard]] std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame,
-                                             const ErrorRange& range = {});
+                                             const HeatRange& errors = {}, const HeatRange& radii = {});
 
 }  // namespace lodestone::viewer

@@ -21,7 +21,7 @@ constexpr std::array<std::array<int, 2>, 12> cube_edges{
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 
 // Appends the part of an edge, in clip space, that lies in front of the near plane.
-void add_line(glm::dvec4 a, glm::dvec4 b, ImageSize size, int level, std::vector<Line>& lines) {
+void add_line(glm::dvec4 a, glm::dvec4 b, ImageSize size, Vec3f colour, std::vector<Line>& lines) {
   const double before_a = a.z + a.w, before_b = b.z + b.w;  // both at least 0 in front of the near plane
   if (!(before_a > 0) && !(before_b > 0)) return;
   if (!(before_a > 0)) a += (before_a / (before_a - before_b)) * (b - a);
@@ -29,7 +29,7 @@ void add_line(glm::dvec4 a, glm::dvec4 b, ImageSize size, int level, std::vector
   if (!(a.w > 0) || !(b.w > 0)) return;
   const auto x = [&](glm::dvec4 p) { return static_cast<float>((p.x / p.w + 1) * 0.5 * size.width); };
   const auto y = [&](glm::dvec4 p) { return static_cast<float>((1 - p.y / p.w) * 0.5 * size.height); };
-  const Line line{x(a), y(a), x(b), y(b), static_cast<float>(1 / std::min(a.w, b.w)), level};
+  const Line line{x(a), y(a), x(b), y(b), static_cast<float>(1 / std::min(a.w, b.w)), colour};
   // Coordinates are limited to the fixed point of the code that draws them.
   constexpr float far_away = 1e6f;
   for (const float v : {line.x0, line.y0, line.x1, line.y1})
@@ -37,9 +37,9 @@ void add_line(glm::dvec4 a, glm::dvec4 b, ImageSize size, int level, std::vector
   lines.push_back(line);
 }
 
-void add_cube(const std::array<glm::dvec4, 8>& corners, ImageSize size, int level, std::vector<Line>& lines) {
+void add_cube(const std::array<glm::dvec4, 8>& corners, ImageSize size, Vec3f colour, std::vector<Line>& lines) {
   for (const auto& [from, to] : cube_edges)
-    add_line(corners[static_cast<std::size_t>(from)], corners[static_cast<std::size_t>(to)], size, level, lines);
+    add_line(corners[static_cast<std::size_t>(from)], corners[static_cast<std::size_t>(to)], size, colour, lines);
 }
 
 }  // namespace
@@ -66,13 +66,13 @@ std::optional<Vec3f> project(const ViewProjection& vp, ImageSize size, Vec3d poi
                static_cast<float>((1 - p.y / p.w) * 0.5 * size.height), static_cast<float>((p.z / p.w + 1) * 0.5)};
 }
 
-void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, int level, std::vector<Line>& lines) {
+void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, Vec3f colour, std::vector<Line>& lines) {
   const glm::dmat4 m = to_glm(vp);
   std::array<glm::dvec4, 8> corners;
   for (std::size_t k = 0; k < 8; ++k)
     corners[k] =
         m * glm::dvec4(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z, 1);
-  add_cube(corners, size, level, lines);
+  add_cube(corners, size, colour, lines);
 }
 
 void project_frustum(const ViewProjection& vp, ImageSize size, const ViewProjection& seen, std::vector<Line>& lines) {
@@ -82,7 +82,7 @@ void project_frustum(const ViewProjection& vp, ImageSize size, const ViewProject
     const glm::dvec4 p = back * glm::dvec4(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1, 1);
     corners[k] = m * (p / p.w);
   }
-  add_cube(corners, size, 0, lines);
+  add_cube(corners, size, Vec3f{1, 1, 1}, lines);
 }
 
 void normalise_nearness(std::span<Line> lines) {

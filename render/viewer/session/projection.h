@@ -30,11 +30,11 @@ class Unprojection {
 struct Line {
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   float nearness = 1;
-  int level = 0;
+  Vec3f colour{1, 1, 1};
 };
 
 // The twelve edges of a box, as far as they lie before the camera. Appended to `lines`, nearness left at 1 / depth.
-void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, int level, std::vector<Line>& lines);
+void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, Vec3f colour, std::vector<Line>& lines);
 
 // The edges of what another camera sees: its near and far rectangles, and what joins them.
 void project_frustum(const ViewProjection& vp, ImageSize size, const ViewProjection& seen, std::vector<Line>& lines);

@@ -4,6 +4,7 @@
 
 #include "parallel/scheduler/clock.h"
 #include "render/culling/back_faces.h"
+#include "render/frame/shading.h"
 #include "render/viewer/session/band_tint.h"
 
 namespace lodestone::viewer {
@@ -138,21 +139,41 @@ void ViewDrawing::tint_band(std::size_t settings, Image& image) const {
 std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size) const {
   std::vector<Line> lines;
   if (!ready()) return lines;
-  for (const ModelFrame& model : frame(settings).models) {
-    if (!model.selection) continue;
-    for (const SelectedCell& selected : model.selection->cells)
-      if (selected.visible)
-        project_box(model.view_projection, size, model.morph.hierarchy->cells[selected.cell].bounds, selected.level,
-                    lines);
+  const HeatRange range = radii(settings);
+  const std::vector<ModelFrame>& models = frame(settings).models;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (!models[m].selection) continue;
+    const std::vector<float>& by_cell = models[m].morph.radii->by_cell;
+    for (const SelectedCell& selected : models[m].selection->cells) {
+      if (!selected.visible) continue;
+      const Vec3f colour = by_cell.empty() ? shading::tint_of(selected.level)
+                                           : heat_colour(heat_step(scene_radius(settings, m, selected.cell), range));
+      project_box(models[m].view_projection, size, models[m].morph.hierarchy->cells[selected.cell].bounds, colour,
+                  lines);
+    }
   }
   normalise_nearness(lines);
   return lines;
 }
 
+double ViewDrawing::scene_radius(std::size_t settings, std::size_t model, CellId cell) const {
+  const SceneView& scene = *views_[settings].scene;
+  return double{scene.frame().models[model].morph.radii->by_cell[cell]} * scene.placement(model).scale;
+}
+
+HeatRange ViewDrawing::radii(std::size_t settings) const {
+  HeatRange range;
+  const std::vector<ModelFrame>& models = frame(settings).models;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    for (CellId cell{0}; cell < models[m].morph.radii->by_cell.size(); ++cell)
+      range.extend(scene_radius(settings, m, cell));
+  return range;
+}
+
 std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size, const SurfacePoint& of) const {
   std::vector<Line> lines;
   const ModelFrame& model = frame(settings).models[of.model];
-  project_box(model.view_projection, size, model.morph.hierarchy->cells[of.cell].bounds, of.level, lines);
+  project_box(model.view_projection, size, model.morph.hierarchy->cells[of.cell].bounds, Vec3f{1, 1, 1}, lines);
   return lines;
 }
 

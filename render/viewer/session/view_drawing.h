@@ -53,7 +53,8 @@ class ViewDrawing {
   // Paints lambda over the picture of the last draw() with these settings.
   void tint_band(std::size_t settings, Image& image) const;
 
-  // Over the picture of the last draw() with these settings: boxes of its cells, and the frozen camera's view.
+  // Over the picture of the last draw() with these settings: boxes of its cells, coloured by their radii if these are
+  // by cell and else by level, that of one cell, and the frozen camera's view.
   [[nodiscard]] std::vector<Line> box_lines(std::size_t settings, ImageSize size) const;
   [[nodiscard]] std::vector<Line> box_lines(std::size_t settings, ImageSize size, const SurfacePoint& of) const;
   [[nodiscard]] std::vector<Line> frozen_lines(std::size_t settings, ImageSize size) const;
@@ -62,7 +63,9 @@ class ViewDrawing {
   [[nodiscard]] const ViewReport& report(std::size_t settings) const { return views_[settings].report; }
   // A sphere around all models.
   [[nodiscard]] Sphere bounding_sphere() const { return views_.front().scene->bounding_sphere(); }
-  [[nodiscard]] const ErrorRange& errors() const { return errors_; }  // of all models
+  [[nodiscard]] const HeatRange& errors() const { return errors_; }  // of all models
+  // Radii by cell of the last draw() with these settings, in units of the scene.
+  [[nodiscard]] HeatRange radii(std::size_t settings) const;
   [[nodiscard]] const SceneView& scene_view() const { return *views_.front().scene; }
 
   // The surface at a point of the picture of the last draw() with these settings, shown in so many pixels.
@@ -89,6 +92,8 @@ class ViewDrawing {
     ViewReport report;
   };
   void restart();
+  // In units of the scene.
+  [[nodiscard]] double scene_radius(std::size_t settings, std::size_t model, CellId cell) const;
   [[nodiscard]] ViewConfig config_of(const ViewState& state, std::size_t settings, ImageSize size);
   [[nodiscard]] const std::vector<bool>& closed_models();
   bool update(PerView& per_view, const Camera& camera, const ViewConfig& config, const std::vector<ViewConfig>& beside);
@@ -98,7 +103,7 @@ class ViewDrawing {
   Renderer* renderer_ = nullptr;
   Model* model_ = nullptr;
   std::array<PerView, 2> views_;
-  ErrorRange errors_;
+  HeatRange errors_;
   mutable SurfaceAlpha alpha_;  // its textures are decoded when a surface is asked for
   std::vector<bool> closed_;    // models whose surface bounds a solid; empty until a clipping plane asks
   Counts counts_;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "render/frame/shading.h"
 #include "render/viewer/window/widgets.h"
 
 namespace lodestone::viewer {
@@ -19,9 +18,8 @@ ImDrawList& below_all() { return *ImGui::GetBackgroundDrawList(); }
 ImU32 colour(Vec3f c, float opacity = 1) { return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, opacity}); }
 
 // `crowd` in (0, 1]: less where there are many lines, so that what they lie over is still seen.
-ImU32 colour_of(const Line& line, bool by_level, float crowd) {
-  if (!by_level) return colour({1, 1, 1}, 0.9f);
-  return colour(shading::tint_of(line.level), (0.25f + 0.75f * line.nearness) * crowd);
+ImU32 colour_of(const Line& line, bool faded, float crowd) {
+  return colour(line.colour, faded ? (0.25f + 0.75f * line.nearness) * crowd : 0.9f);
 }
 
 // Words on a dark ground; `pivot` is the share of their box that lies before `at`.
@@ -70,12 +68,12 @@ void PictureNotes::name(const std::string& name) const {
   words({corner.x - scaled(10), corner.y + scaled(8)}, {1, 0}, name);
 }
 
-void PictureNotes::lines(std::span<const Line> lines, bool by_level) const {
+void PictureNotes::lines(std::span<const Line> lines, bool faded) const {
   ImDrawList& list = below_all();
   list.PushClipRect(at(0, 0), at(width(), height()), true);
   const float crowd = std::clamp(1500 / static_cast<float>(lines.size() + 1), 0.2f, 1.0f);
   for (const Line& line : lines)
-    list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, by_level, crowd));
+    list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, faded, crowd));
   list.PopClipRect();
 }
 

@@ -24,7 +24,7 @@ class PictureNotes {
 
   void picture(unsigned texture) const;
   void name(const std::string& name) const;  // in the upper right corner
-  void lines(std::span<const Line> lines, bool by_level) const;
+  void lines(std::span<const Line> lines, bool faded) const;
   void legends(std::span<const Legend> legends) const;        // in the lower left corner
   void axes(const std::array<Vec3d, 3>& axes_in_view) const;  // in the lower right corner
   // Points, the line through them and a label in its middle.

@@ -20,7 +20,9 @@ void show_notes(const ViewSession& session, const ViewRect& view, const PictureN
   const ViewState& state = session.state;
   const ViewDrawing& drawing = session.drawing();
   if (state.split) notes.name(view.settings == 0 ? "A" : "B");
-  notes.legends(legends_of(state.settings[view.settings], drawing.frame(view.settings), drawing.errors()));
+  const ViewSettings& settings = state.settings[view.settings];
+  const HeatRange radii = settings.boxes ? drawing.radii(view.settings) : HeatRange{};
+  notes.legends(legends_of(settings, drawing.frame(view.settings), drawing.errors(), radii));
   notes.axes(axes_in_view(state.camera));
   show_measure(session, view, notes);
 }

@@ -12,27 +12,27 @@ namespace lodestone::viewer {
 namespace {
 
 TEST(ErrorMap, StepsHaveEqualRatios) {
-  const ErrorRange range{1e-4, 10};
-  EXPECT_EQ(error_step(0, range), 0);
-  EXPECT_EQ(error_step(range.least, range), 1);
-  EXPECT_EQ(error_step(range.most, range), error_steps);
-  for (int step = 1; step <= error_steps; ++step) {
-    EXPECT_EQ(error_step(error_of_step(step, range), range), step);
+  const HeatRange range{1e-4, 10};
+  EXPECT_EQ(heat_step(0, range), 0);
+  EXPECT_EQ(heat_step(range.least, range), 1);
+  EXPECT_EQ(heat_step(range.most, range), heat_steps);
+  for (int step = 1; step <= heat_steps; ++step) {
+    EXPECT_EQ(heat_step(heat_of_step(step, range), range), step);
     if (step > 1) {
-      EXPECT_NEAR(error_of_step(step, range) / error_of_step(step - 1, range), std::pow(1e5, 1.0 / 16), 1e-9);
+      EXPECT_NEAR(heat_of_step(step, range) / heat_of_step(step - 1, range), std::pow(1e5, 1.0 / 16), 1e-9);
     }
   }
   // One error alone, and none.
-  EXPECT_EQ(error_step(0.5, {0.5, 0.5}), 1);
-  EXPECT_EQ(error_step(std::nan(""), range), 0);
-  EXPECT_EQ(error_step(0.5, {}), 0);
+  EXPECT_EQ(heat_step(0.5, {0.5, 0.5}), 1);
+  EXPECT_EQ(heat_step(std::nan(""), range), 0);
+  EXPECT_EQ(heat_step(0.5, {}), 0);
   std::set<std::array<float, 3>> colours;
-  for (int step = 0; step <= error_steps; ++step) {
-    const Vec3f c = error_colour(step);
+  for (int step = 0; step <= heat_steps; ++step) {
+    const Vec3f c = heat_colour(step);
     for (const float channel : {c.x, c.y, c.z}) EXPECT_TRUE(channel >= 0 && channel <= 1);
     colours.insert({c.x, c.y, c.z});
   }
-  EXPECT_EQ(colours.size(), error_steps + 1u);  // no two alike
+  EXPECT_EQ(colours.size(), heat_steps + 1u);  // no two alike
 }
 
 class ErrorMapDrawn : public test::TwoTori, public testing::WithParamInterface<const char*> {};
@@ -61,9 +61,9 @@ TEST_P(ErrorMapDrawn, EveryPixelTellsTheErrorOfItsCell) {
       const auto surface = drawing_.surface_at(0, size, x + 0.5, y + 0.5);
       if (!surface) continue;
       const double error = facts_of(*surface, drawing_.scene_view(), state_.camera).error;
-      const int step = error_step(error, drawing_.errors());
+      const int step = heat_step(error, drawing_.errors());
       steps.insert(step);
-      const Vec3f expected = error_colour(step);
+      const Vec3f expected = heat_colour(step);
       const std::uint8_t* rgb = &image.rgba[4 * static_cast<std::size_t>(y * size.width + x)];
       for (const auto& [seen, wanted] : {std::pair{rgb[0], expected.x}, {rgb[1], expected.y}, {rgb[2], expected.z}})
         if (std::abs(seen - shading::to_byte(wanted)) > 1) {
@@ -108,7 +108,7 @@ TEST_F(ErrorParts, ThePartsOfAMapArePartsOfTheSelection) {
         drawn.insert(cell.cell);
         const double error = drawing_.scene_view().placement(m).scale *
                              double{drawing_.scene_view().hierarchy(m).cells[cell.cell].error};
-        EXPECT_EQ(part.tint, error_colour(error_step(error, drawing_.errors())));
+        EXPECT_EQ(part.tint, heat_colour(heat_step(error, drawing_.errors())));
       }
     }
     EXPECT_EQ(drawn, selected);

@@ -42,23 +42,35 @@ TEST(Legend, TheBandGoesFromItsBeginToItsEnd) {
   EXPECT_EQ(legends[1].entries.back().colour, band_colour(0));
 }
 
+TEST(Legend, RadiiOfCellsWhoseBoxesAreShown) {
+  Selection selection;
+  ViewSettings settings;
+  const HeatRange range{0.5, 64};
+  EXPECT_TRUE(legends_of(settings, frame_of(selection), {}, range).empty());
+  settings.boxes = settings.overdraw = true;
+  EXPECT_EQ(legends_of(settings, frame_of(selection)).size(), 1u);  // radii by level
+  const Legend legend = legends_of(settings, frame_of(selection), {}, range).back();
+  EXPECT_EQ(legend.entries.front().colour, heat_colour(1));
+  EXPECT_EQ(legend.entries.back().colour, heat_colour(heat_steps));
+}
+
 TEST(Legend, ErrorsReplaceLevels) {
   Selection selection;
   ViewSettings settings;
   settings.tint = settings.errors = true;
   EXPECT_EQ(legends_of(settings, frame_of(selection)).front().entries.size(), 1u);  // no cell has an error
-  const ErrorRange range{0.001, 10};
+  const HeatRange range{0.001, 10};
   const std::vector<Legend> legends = legends_of(settings, frame_of(selection), range);
   ASSERT_EQ(legends.size(), 1u);
-  EXPECT_EQ(legends[0].entries.front().colour, error_colour(0));
+  EXPECT_EQ(legends[0].entries.front().colour, heat_colour(0));
   for (std::size_t k = 1; k < legends[0].entries.size(); ++k)
-    EXPECT_EQ(legends[0].entries[k].colour, error_colour(error_step(std::stod(legends[0].entries[k].label), range)));
-  EXPECT_EQ(legends[0].entries.back().colour, error_colour(error_steps));
-  const ErrorRange single{0.5, 0.5};  // of a model with one coarse cell
+    EXPECT_EQ(legends[0].entries[k].colour, heat_colour(heat_step(std::stod(legends[0].entries[k].label), range)));
+  EXPECT_EQ(legends[0].entries.back().colour, heat_colour(heat_steps));
+  const HeatRange single{0.5, 0.5};  // of a model with one coarse cell
   const Legend one = legends_of(settings, frame_of(selection), single).front();
   ASSERT_EQ(one.entries.size(), 2u);
   EXPECT_EQ(one.entries.back().label, "0.5");
-  EXPECT_EQ(one.entries.back().colour, error_colour(error_step(0.5, single)));
+  EXPECT_EQ(one.entries.back().colour, heat_colour(heat_step(0.5, single)));
 }
 
 TEST(Legend, CountsReplaceAllElse) {

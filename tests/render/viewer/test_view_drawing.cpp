@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
+#include "render/frame/shading.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/session/band_tint.h"
 #include "render/viewer/session/view_drawing.h"
@@ -132,6 +133,26 @@ TEST_F(Drawing, BoxesOfTheDrawnCellsAreInThePicture) {
   EXPECT_EQ(nearest, 1);
 }
 
+TEST_F(Drawing, BoxesHaveTheColoursOfTheirRadiiOrLevels) {
+  for (const RadiiRule rule : {RadiiRule::adaptive, RadiiRule::per_level}) {
+    state_.current().rule = rule, state_.current().by_kappa0 = false;
+    (void)draw();
+    const std::vector<Line> lines = drawing_.box_lines(0, size);
+    const ModelFrame& model = drawing_.frame(0).models.front();
+    const HeatRange range = drawing_.radii(0);
+    EXPECT_EQ(range.most > 0, rule == RadiiRule::adaptive);
+    std::size_t k = 0;
+    for (const SelectedCell& cell : model.selection->cells) {
+      const double scale = drawing_.scene_view().placement(0).scale;
+      const Vec3f expected = rule == RadiiRule::adaptive
+                                 ? heat_colour(heat_step(scale * model.morph.radii->by_cell[cell.cell], range))
+                                 : shading::tint_of(cell.level);
+      for (int edge = 0; edge < 12; ++edge) EXPECT_EQ(lines.at(k++).colour, expected);
+    }
+    EXPECT_EQ(lines.size(), k);
+  }
+}
+
 TEST_F(Drawing, LinesBehindTheCameraAreCut) {
   state_.camera = {{0.1, 0.1, 0.1}, {1, 0.2, 0.1}};
   (void)draw();
@@ -139,7 +160,7 @@ TEST_F(Drawing, LinesBehindTheCameraAreCut) {
   std::vector<Line> lines;
   const Vec3f eye = viewpoint(state_.camera, hierarchy().transform);
   const Vec3f h{0.5f, 0.5f, 0.5f};
-  project_box(vp, size, {eye - h, eye + h}, 0, lines);
+  project_box(vp, size, {eye - h, eye + h}, Vec3f{1, 1, 1}, lines);
   EXPECT_LT(lines.size(), 12u);
   EXPECT_GT(lines.size(), 0u);
   for (const Line& line : lines)
