@@ -78,13 +78,13 @@ class AdaptiveRadii {
   void want() {
     const double pixels = radius_over_error(config_);
     for (const Cell& cell : hierarchy_.cells) radius_.push_back(float_above(cell.error * pixels));
+    std::fill(radius_.begin() + hierarchy_.levels.back().first_cell, radius_.end(), 0.0f);  // nothing is finer
     for (std::uint32_t s = 0; s < signatures_.first(hierarchy_.finest()); ++s)
       for (const CellId cell : signatures_.users(s).cells)
         radius_[cell] = std::max(radius_[cell], float_above(signatures_.error(s) * pixels));
   }
 
   void raise(int level, std::uint32_t signature) {
-    if (level == hierarchy_.finest()) return;
     const auto [cells, parents] = signatures_.users(signature);
     for (const CellId parent : parents)
       for (const CellId cell : cells)
@@ -92,13 +92,16 @@ class AdaptiveRadii {
             std::max(radius_[parent], float_above((double{radius_[cell]} + gap(level, cell, parent)) * widen));
   }
 
-  // The finest cells have no radius of their own: the widest bands that the parents leave, from half the way on.
+  // The finest cells have no radius of their own: the widest bands that the parents leave, from half the way on. Not
+  // below 0, or else their vertices would never reach their places, and the surface would be off by more pixels the
+  // nearer it is: `raise` has left room for that.
   void lower(std::uint32_t signature, std::span<float> finest) const {
     const auto [cells, parents] = signatures_.users(signature);
     for (const CellId cell : cells)
       for (const CellId parent : parents) {
         const double radius = radius_[parent];
-        const double most = std::min(radius / 2, radius / widen - gap(hierarchy_.finest(), cell, parent));
+        const double room = std::max(radius / widen - gap(hierarchy_.finest(), cell, parent), 0.0);
+        const double most = std::min(radius / 2, room);
         float& own = finest[cell - hierarchy_.levels.back().first_cell];
         own = std::min(own, float_down(most));
       }

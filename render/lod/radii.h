@@ -51,7 +51,7 @@ struct Radii {
   // r_{l-1} > a_l for all levels, guards included: the drawn surface is continuous in space and time.
   bool admissible = false;
   // Adaptive radii, else empty: R_C by cell. A cell is drawn iff d(v_p, B) >= R_C and no ancestor is. On the finest
-  // level, where all are drawn, it is where the morph begins. Then select[l] is the largest of level l, and
+  // level, where all are drawn, it is where the morph begins, at 0 or farther away. Then select[l] is the largest of level l, and
   // [band_begin, band_end] are the narrowest that a vertex of the level may morph in, as wide as beta asks for.
   std::vector<float> by_cell;
   std::shared_ptr<const Signatures> signatures;  // null: cells are exchanged without a morph

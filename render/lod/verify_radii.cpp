@@ -54,6 +54,9 @@ class RadiiCheck {
       require(radius >= hierarchy_.cells[parent].error * pixels * (1 - 1e-6), parent,
               "too small for its error: ", parent);
     }
+    for (const CellId cell : users.cells)
+      require(radii.by_cell[cell] >= 0, cell,
+              "below 0, so that no viewpoint reaches the places of its vertices: ", cell);
     if (level == hierarchy_.finest()) return;
     for (const CellId cell : users.cells)
       require(radii.by_cell[cell] >= error * pixels * (1 - 1e-6), cell, "too small for an error it shares with cell ",

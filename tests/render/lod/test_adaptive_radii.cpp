@@ -94,15 +94,32 @@ TEST(AdaptiveRadii, AreNoLargerThanTheyMust) {
   for (std::uint32_t s = 0; s < signatures->first(h.finest()); ++s)
     for (const CellId c : signatures->users(s).cells)
       for (const CellId n : signatures->users(s).cells) least[c] = std::max(least[c], wanted(h.cells[n].error, config));
-  for (int level = h.finest() - 1; level >= 1; --level) {
+  for (int level = h.finest(); level >= 1; --level) {
     const double band = double{config.beta} * cell_size(level);
+    const auto radius = [&](CellId d) { return level == h.finest() ? 0 : double{radii.by_cell[d]}; };
     for (std::uint32_t s = signatures->first(level); s < signatures->first(level + 1); ++s)
       for (const CellId p : signatures->users(s).parents)
         for (const CellId d : signatures->users(s).cells)
-          least[p] = std::max(least[p], radii.by_cell[d] + band +
-                                            largest_distance(config.metric, h.cells[d].bounds, h.cells[p].bounds));
+          least[p] = std::max(least[p],
+                              radius(d) + band + largest_distance(config.metric, h.cells[d].bounds, h.cells[p].bounds));
   }
   for (CellId c{0}; c < h.levels.back().first_cell; ++c) EXPECT_LE(radii.by_cell[c], least[c] * (1 + 1e-5)) << c;
+}
+
+// However coarse the tolerance is: as the surface comes near, any distance from it would fill the picture.
+TEST(AdaptiveRadii, ShowTheFinestSurfaceFromItsPlace) {
+  const Hierarchy& h = rough();
+  for (const float pixel_error : {0.5f, 4.0f, 1000.0f}) {
+    Radii radii = make_radii(h, adaptive(pixel_error));
+    for (CellId c = h.levels.back().first_cell; c < h.cells.size(); ++c) {
+      const Box3f& box = h.cells[c].bounds;
+      std::vector<float> all;
+      adaptive_lambdas({&h, &radii, Blend::linear, 0.5f * (box.lo + box.hi)}, c, all);
+      EXPECT_TRUE(std::ranges::all_of(all, [](float lambda) { return lambda == 1; })) << c;
+    }
+    radii.by_cell.back() = -1e-3f;
+    EXPECT_NE(verify_radii(h, radii, adaptive(pixel_error)).detail.find("below 0"), std::string::npos);
+  }
 }
 
 TEST(AdaptiveRadii, LambdaFollowsTheSignature) {
