@@ -165,8 +165,9 @@ HeatRange ViewDrawing::radii(std::size_t settings) const {
   HeatRange range;
   const std::vector<ModelFrame>& models = frame(settings).models;
   for (std::size_t m = 0; m < models.size(); ++m)
-    for (CellId cell{0}; cell < models[m].morph.radii->by_cell.size(); ++cell)
-      range.extend(scene_radius(settings, m, cell));
+    if (!models[m].morph.radii->by_cell.empty())
+      for (CellId cell{0}; cell < models[m].morph.hierarchy->levels.back().first_cell; ++cell)
+        range.extend(scene_radius(settings, m, cell));
   return range;
 }
 

@@ -64,7 +64,8 @@ class ViewDrawing {
   // A sphere around all models.
   [[nodiscard]] Sphere bounding_sphere() const { return views_.front().scene->bounding_sphere(); }
   [[nodiscard]] const HeatRange& errors() const { return errors_; }  // of all models
-  // Radii by cell of the last draw() with these settings, in units of the scene.
+  // Radii by cell of the last draw() with these settings, in units of the scene, but those of finest cells, which are
+  // never refined.
   [[nodiscard]] HeatRange radii(std::size_t settings) const;
   [[nodiscard]] const SceneView& scene_view() const { return *views_.front().scene; }
 
