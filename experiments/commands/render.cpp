@@ -43,12 +43,9 @@ struct RenderOptions {
 RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) {
   if (options.kappa0 && options.pixel_error)
     throw UsageError("--kappa0 and --pixel-error exclude each other; give one of them");
-  const bool by_cell = !options.kappa0 && !options.select_on_device;
-  RadiiConfig config = radii_config(options.radii.value_or(by_cell ? "adaptive" : "per-level"), options.metric);
+  RadiiConfig config = radii_config(options.radii.value_or(options.kappa0 ? "per-level" : "adaptive"), options.metric);
   if (options.kappa0 && config.rule == RadiiRule::adaptive)
     throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
-  if (options.select_on_device && config.rule == RadiiRule::adaptive)
-    throw UsageError("--select-on-device knows a radius for every level, not for every cell; use --radii per-level");
   config.kappa0 = options.kappa0;
   config.pixel_error = options.pixel_error.value_or(of_scene.pixel_error);
   config.beta = options.beta;
@@ -350,8 +347,7 @@ OptionTable declare_levels(RenderOptions& o) {
            "no crack and no pop for what is missing, but frames depend on the speed of the disk"},
           {"--cull-occluded", &o.cull_occluded,
            "Leave out cells that others hide: the same pictures, sooner where much is hidden"},
-          {"--select-on-device", &o.select_on_device,
-           "Backend gl: select cells by a compute shader, with radii per level; the same cells"},
+          {"--select-on-device", &o.select_on_device, "Backend gl: select cells by a compute shader; the same cells"},
           {"--cull-back-faces", &o.cull_back_faces,
            "Leave out cells that turn their back, where the surface is closed and seen from outside"},
           {"--no-metrics", &o.no_metrics, "With --json: times and counts only, no cracks and pops"},

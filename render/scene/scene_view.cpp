@@ -212,8 +212,8 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
-  frame_.select_on_device = config.select_on_device && !frozen_ && config.radii.rule != RadiiRule::adaptive &&
-                            std::ranges::find(config.hidden, true) == config.hidden.end();
+  frame_.select_on_device =
+      config.select_on_device && !frozen_ && std::ranges::find(config.hidden, true) == config.hidden.end();
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
     frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;

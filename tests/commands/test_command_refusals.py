@@ -85,7 +85,6 @@ class Usage(CommandCase):
         self.refused(*render, "--camera", "adversarial", "--radii", "per-level", names=["--camera", "--kappa0"])
         adaptive = (*render, "--radii", "adaptive")
         self.refused(*adaptive, "--kappa0", 2, names=["--radii adaptive", "--pixel-error"])
-        self.refused(*adaptive, "--select-on-device", names=["--select-on-device", "per-level"])
         for option, values in {"--pixel-error": ("0", "-1", "nan", "x"), "--kappa0": ("0", "-1", "nan", "x"),
                                "--beta": ("0", "nan", "x"), "--delta": ("-1", "nan", "x")}.items():
             for value in values:

@@ -185,6 +185,19 @@ class Render(CommandCase):
         self.refused("render", hierarchy(), "--cull-back-faces", "--memory-budget", "1MiB", "--backend", "null",
                      names=["--cull-back-faces", "--memory-budget"])
 
+    def test_selection_on_the_device_changes_no_picture(self):
+        """By a radius for every cell, which a tolerance gives, and for every level."""
+        self.needs_gl()
+        drawn = []
+        for rule in ([], ["--radii", "per-level"]):
+            expected, by_cpu = self.frames_of("--backend", "gl", *rule)
+            pictures, rows = self.frames_of("--backend", "gl", "--select-on-device", *rule)
+            self.assertEqual(pictures, expected, rule)
+            self.assertEqual([(r["cells"], r["triangles"]) for r in rows], [(r["cells"], r["triangles"]) for r in by_cpu])
+            self.assertTrue(all("device select" in r["milliseconds"] and r["open_edges"] == 0 for r in rows))
+            drawn.append(sum(r["triangles"] for r in rows))
+        self.assertLess(drawn[0], drawn[1])
+
     def test_screen_error_stays_within_the_tolerance(self):
         for tolerance in (0.5, 2):
             found = self.results("render", hierarchy(), "--backend", "null", "--frames", 4, "--no-metrics",

@@ -1,12 +1,17 @@
-// Selection on the device: the same list as the CPU's, cell by cell, over many views, metrics, radii and limits; and
-// the buffer that carries what changes with every frame.
+// Selection on the device: the same list as the CPU's, cell by cell, over many views, metrics, radii by level and by
+// cell, and limits; the root that it takes; and the buffer that carries what changes with every frame.
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
 #include <random>
 
+#include "core/hierarchy/model/find_signatures.h"
 #include "render/backends/gl/device/context.h"
+#include "render/backends/gl/device/program.h"
 #include "render/backends/gl/device/stream.h"
+#include "render/backends/gl/shaders/exact_root.h"
 #include "render/camera/camera.h"
-#include "render/lod/thresholds.h"
 #include "tests/render/backends/gl_fixture.h"
 
 namespace lodestone {
@@ -14,24 +19,58 @@ namespace {
 
 using namespace lodestone::test;
 
-TEST(Thresholds, TakeThePlaceOfRoots) {
-  std::mt19937 random(1);
-  const auto number = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
-  for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
-    for (int i = 0; i < 3000; ++i) {
-      const float radius = i % 2 ? number(0, 4) : std::exp(number(-20, 20)), limit = number(0, 3);
-      const float least = reaching(metric, radius), fallen = falling_below(metric, limit, radius);
-      for (int k = 0; k < 40; ++k) {
-        // A few floats around the threshold.
-        float s = std::max(k % 2 ? least : fallen, 0.0f);
-        for (int steps = 0; steps < k / 4; ++steps) s = std::nextafter(s, k % 4 < 2 ? 0.0f : 1e30f);
-        EXPECT_EQ(s >= least, root_of(metric, s) >= radius);
-        EXPECT_EQ(!(s >= fallen), limit - root_of(metric, s) >= radius);
-      }
+// A context that is current, or a skip.
+class GlContextTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      context_ = make_headless_context();
+    } catch (const UnsupportedError& error) {
+      GTEST_SKIP() << error.what();
     }
-  EXPECT_EQ(reaching(DistanceMetric::euclidean, 0), 0);
-  EXPECT_EQ(reaching(DistanceMetric::euclidean, std::numeric_limits<float>::infinity()),
-            std::numeric_limits<float>::infinity());
+    current_.emplace(*context_);
+  }
+  std::unique_ptr<GlContext> context_;
+  std::optional<CurrentContext> current_;
+};
+
+class GlExactRoot : public GlContextTest {};
+
+TEST_F(GlExactRoot, IsTheCpusRoot) {
+  std::vector<std::uint32_t> bits{0, 1, 2, 3, 0x7fffff, 0x800000, 0x800001, 0x7f7fffff, 0x7f800000};
+  for (std::uint32_t digits = 0; digits < 1u << 23; digits += 37)  // both parities of the exponent
+    for (const std::uint32_t exponent : {127u, 128u}) bits.push_back(exponent << 23 | digits);
+  const std::size_t regular = bits.size();
+  std::mt19937 random(3);
+  for (int k = 0; k < 200'000; ++k) bits.push_back(random() % 0x7f800000u);
+  for (int k = 0; k < 100'000; ++k) {  // squares and their neighbours, where roots are exact or nearly so
+    const auto square =
+        std::bit_cast<std::uint32_t>(static_cast<float>(random() % 4096) * static_cast<float>(k % 4096));
+    bits.insert(bits.end(), {square, square + 1, square > 0 ? square - 1 : 0});
+  }
+  ASSERT_GT(regular, 400'000u);
+
+  constexpr const char* source = R"(
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) restrict buffer Numbers { uint numbers[]; };
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i < numbers.length()) numbers[i] = floatBitsToUint(exact_root(uintBitsToFloat(numbers[i])));
+}
+)";
+  const GlStage stage{GL_COMPUTE_SHADER, std::string(exact_root_source) + source};
+  const GlProgram program = link_program(std::span(&stage, 1));
+  const GlBuffer numbers;
+  const auto size = static_cast<GLsizeiptr>(bits.size() * 4);
+  glNamedBufferStorage(numbers.name(), size, bits.data(), 0);
+  glUseProgram(program.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, numbers.name());
+  glDispatchCompute(static_cast<GLuint>((bits.size() + 63) / 64), 1, 1);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::vector<std::uint32_t> roots(bits.size());
+  glGetNamedBufferSubData(numbers.name(), 0, size, roots.data());
+  for (std::size_t k = 0; k < bits.size(); ++k)
+    ASSERT_EQ(roots[k], std::bit_cast<std::uint32_t>(std::sqrt(std::bit_cast<float>(bits[k])))) << "of " << bits[k];
 }
 
 class GlSelect : public GlTest {};
@@ -49,6 +88,7 @@ void expect_same(const Selection& device, const Selection& cpu, int view) {
 TEST_F(GlSelect, IsTheCpusSelection) {
   const NaiveHierarchy torus = naive_hierarchy(torus_mesh(128, 64), 4), land = naive_hierarchy(terrain_mesh(64), 3);
   const std::vector<const Hierarchy*> models{&torus.hierarchy, &land.hierarchy};
+  const std::shared_ptr<const Signatures> signatures[]{signatures_of(torus.hierarchy), signatures_of(land.hierarchy)};
   renderer_->upload(models);
   std::mt19937 random(2);
   const auto number = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
@@ -56,27 +96,38 @@ TEST_F(GlSelect, IsTheCpusSelection) {
     const auto n = [&] { return std::uniform_real_distribution<double>(lo, hi)(random); };
     return Vec3d{n(), n(), n()};
   };
-  std::size_t cells = 0, morphing = 0, limited = 0;
-  for (int view = 0; view < 400; ++view) {
-    const auto model = static_cast<std::uint32_t>(view % 2);
+  struct Counts {
+    std::size_t cells = 0, morphing = 0, limited = 0;
+  } by_level, by_cell;
+  for (int view = 0; view < 800; ++view) {
+    const auto model = static_cast<std::uint32_t>(view / 2 % 2);
     const Hierarchy& h = *models[model];
     RadiiConfig config;
-    config.kappa0 = number(0.2f, 6);
     config.metric = view % 3 ? DistanceMetric::euclidean : DistanceMetric::chebyshev;
-    config.rule = view % 5 ? RadiiRule::per_level : RadiiRule::uniform;
+    config.rule = view % 2 ? RadiiRule::adaptive : view % 5 ? RadiiRule::per_level : RadiiRule::uniform;
+    if (config.rule == RadiiRule::adaptive)
+      config.pixel_error = std::exp(number(0, 5));
+    else
+      config.kappa0 = number(0.2f, 6);
     config.delta = view % 7 ? 0 : 0.1f;
-    const Radii radii = make_radii(h, config);
+    const Radii radii = make_radii(h, config, signatures[model]);
     const auto to_model = [&](Vec3d p) { return h.transform.origin + h.transform.scale * p; };
-    // Now and then on a vertex, or on a corner of a cell.
+    // Now and then on a corner of a cell, or where its distance is its radius but for roundings.
     Vec3d at = point(-0.4, 1.4);
-    if (view % 4 == 0) at = to_double(h.cells[random() % h.cells.size()].bounds.lo);
+    if (const auto place = random() % 4; place < 2) {
+      const CellId near(random() % h.cells.size());
+      at = to_double(h.cells[near].bounds.lo);
+      const double radius = radii.of(near, static_cast<std::size_t>(h.level_of(near)));
+      const Vec3d away = point(-1, -0.1);
+      if (place == 1 && std::isfinite(radius)) at = at + (radius / length(away)) * away;
+    }
     const Camera camera{to_model(at), to_model(point(0, 1)), {0, 0, 1}, number(0.1f, 2)};
     std::vector<DetailLimit> limits;
     if (view % 3 == 1)
       for (int k = 0; k < 12; ++k) {
         const CellId c(random() % h.cells.size());
         limits.push_back(
-            {h.cells[c].bounds, radii.select[static_cast<std::size_t>(h.level_of(c))] * number(0.5f, 1.1f)});
+            {h.cells[c].bounds, radii.of(c, static_cast<std::size_t>(h.level_of(c))) * number(0.5f, 1.1f)});
       }
     Frame frame;
     frame.size = {320, 200};
@@ -91,21 +142,28 @@ TEST_F(GlSelect, IsTheCpusSelection) {
     const std::vector<Selection> selected = renderer_->select(frame);
     ASSERT_EQ(selected.size(), 1u);
     expect_same(selected[0], expected, view);
+    auto& [cells, morphing, limited] = radii.by_cell.empty() ? by_level : by_cell;
     cells += expected.cells.size();
     morphing += static_cast<std::size_t>(std::ranges::count_if(expected.cells, &SelectedCell::morphing));
     limited += expected.cells.size() != unlimited.cells.size();
   }
-  EXPECT_GT(cells, 10'000u);
-  EXPECT_GT(morphing, 1000u);
-  EXPECT_GT(cells - morphing, 1000u);
-  EXPECT_GT(limited, 20u) << "limits hardly changed anything: the test says nothing";
+  for (const auto& [cells, morphing, limited] : {by_level, by_cell}) {
+    EXPECT_GT(cells, 10'000u);
+    EXPECT_GT(morphing, 1000u);
+    EXPECT_GT(cells - morphing, 1000u);
+    EXPECT_GT(limited, 20u) << "limits hardly changed anything: the test says nothing";
+  }
 }
 
 TEST_F(GlSelect, DrawsTheSamePicture) {
   const NaiveHierarchy torus = naive_hierarchy(torus_mesh(96, 48), 3);
   renderer_->upload(torus.hierarchy);
-  for (const float kappa0 : {0.4f, 2.0f, 5.0f}) {
-    WholeFrame whole(torus.hierarchy, with_kappa0(kappa0), {{0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}});
+  std::vector<RadiiConfig> configs;
+  for (const float kappa0 : {0.4f, 2.0f, 5.0f}) configs.push_back(with_kappa0(kappa0));
+  for (const float pixel_error : {4.0f, 16.0f, 64.0f})
+    configs.push_back({.rule = RadiiRule::adaptive, .pixel_error = pixel_error});
+  for (const RadiiConfig& config : configs) {
+    WholeFrame whole(torus.hierarchy, config, {{0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}});
     const Frustum frustum = frustum_of(whole.frame.only().view_projection);
     select_cells(torus.hierarchy, whole.radii, whole.frame.only().morph.viewpoint, {&frustum, false}, whole.selection);
     const FrameStats by_cpu = renderer_->draw(whole.frame);
@@ -120,14 +178,9 @@ TEST_F(GlSelect, DrawsTheSamePicture) {
   }
 }
 
-TEST(GlStream, KeepsWhatFramesUnderWayRead) {
-  std::unique_ptr<GlContext> context;
-  try {
-    context = make_headless_context();
-  } catch (const UnsupportedError& error) {
-    GTEST_SKIP() << error.what();
-  }
-  const CurrentContext current(*context);
+class GlStreamTest : public GlContextTest {};
+
+TEST_F(GlStreamTest, KeepsWhatFramesUnderWayRead) {
   GlStream stream;
   struct Written {
     GlRange range;

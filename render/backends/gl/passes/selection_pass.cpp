@@ -6,45 +6,46 @@
 
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/device/program.h"
-#include "render/lod/thresholds.h"
+#include "render/backends/gl/shaders/exact_root.h"
 
 namespace lodestone {
 namespace {
 
-constexpr GLuint nodes_block = 0, decisions_block = 1, radii_block = 2, view_block = 0;
+constexpr GLuint nodes_block = 0, decisions_block = 1, detail_limits_block = 2, cell_radii_block = 3, view_block = 0;
 constexpr unsigned group_size = 64;
 constexpr std::uint32_t level_shift = 28;
 constexpr std::uint32_t drawn_bit = 1, morphing_bit = 2;
 
-// std140. By level: threshold of r_l, threshold of a_l, margin of culling; finest: 1 where every cell is drawn.
+// std140. By level: r_l, a_l, margin of culling, delta h_l. finest: there all cells are drawn; by_cell: 1 if cells have
+// radii of their own.
 struct ViewUniforms {
   std::array<std::array<float, 4>, 6> frustum{};
   std::array<std::array<float, 4>, max_level + 1> levels{};
   std::array<float, 3> viewpoint{};
   std::uint32_t finest = 0;
-  std::uint32_t node_count = 0, limit_count = 0, unused[2] = {};
+  std::uint32_t node_count = 0, limit_count = 0, by_cell = 0, unused = 0;
 };
 
-// std430: a box, and by level the thresholds of the remainder of its radius, for r_l and for a_l.
+// std430: a box, and the radius beside its lower corner.
 struct LimitUniforms {
   std::array<float, 4> lo{}, hi{};
-  std::array<std::array<float, 2>, max_level + 1> thresholds{};
 };
 
-// selection.cpp, limits.cpp and distance_metric.h, operation by operation. `squared` is the radicand.
+// selection.cpp, limits.cpp and distance_metric.h, operation by operation.
 constexpr const char* selection_source = R"(
 layout(local_size_x = 64) in;
 struct Node { float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z; uint parent, cell_and_level; };
-struct Limit { vec4 lo, hi; vec2 thresholds[LEVELS]; };
+struct Limit { vec4 lo, hi; };
 layout(std430, binding = 0) readonly restrict buffer Nodes { Node nodes[]; };
 layout(std430, binding = 1) writeonly restrict buffer Decisions { uint decisions[]; };
 layout(std430, binding = 2) readonly restrict buffer Limits { Limit limits[]; };
+layout(std430, binding = 3) readonly restrict buffer Radii { float radii[]; };  // by cell
 layout(std140, binding = 0) uniform View {
   vec4 frustum[6];
   vec4 levels[LEVELS];
   vec3 viewpoint;
   uint finest;
-  uint node_count, limit_count;
+  uint node_count, limit_count, by_cell;
 } view;
 
 struct Box { vec3 lo, hi; };
@@ -53,45 +54,63 @@ Box box_of(uint i) {
   return Box(vec3(n.lo_x, n.lo_y, n.lo_z), vec3(n.hi_x, n.hi_y, n.hi_z));
 }
 
-float squared(vec3 a) {
+float norm(vec3 a) {
 #ifdef CHEBYSHEV
   return max(max(a.x, a.y), a.z);
 #else
   precise float sum = (a.x * a.x + a.y * a.y) + a.z * a.z;
-  return sum;
+  return exact_root(sum);
 #endif
 }
 
-// Distances along each axis: of the box from the viewpoint, and of two boxes.
+// Along each axis: distances of the box from the viewpoint, and of two boxes.
 float nearest(Box box) {
   precise vec3 outside = max(max(box.lo - view.viewpoint, view.viewpoint - box.hi), vec3(0.0));
-  return squared(outside);
+  return norm(outside);
 }
 float farthest(Box box) {
   precise vec3 far = max(abs(view.viewpoint - box.lo), abs(box.hi - view.viewpoint));
-  return squared(far);
+  return norm(far);
 }
 float farthest_from(Box box, Limit limit) {
   precise vec3 far = max(max(limit.lo.xyz - box.lo, box.hi - limit.hi.xyz), vec3(0.0));
-  return squared(far);
+  return norm(far);
 }
 float nearest_to(Box box, Limit limit) {
   precise vec3 apart = max(max(limit.lo.xyz - box.hi, box.lo - limit.hi.xyz), vec3(0.0));
-  return squared(apart);
+  return norm(apart);
 }
 
-bool coarse_enough(Box box, uint level) {
-  if (nearest(box) >= view.levels[level].x) return true;
-  for (uint i = 0u; i < view.limit_count; ++i)
-    if (!(farthest_from(box, limits[i]) >= limits[i].thresholds[level].x)) return true;
-  return false;
+// A limit whose radius is at most d leaves less than d: it needs no root.
+float limited_distance(Box box) {
+  float d = nearest(box);
+  for (uint i = 0u; i < view.limit_count; ++i) {
+    if (limits[i].lo.w <= d) continue;
+    precise float left = limits[i].lo.w - farthest_from(box, limits[i]);
+    d = max(d, left);
+  }
+  return d;
+}
+float limited_farthest_distance(Box box) {
+  float d = farthest(box);
+  for (uint i = 0u; i < view.limit_count; ++i) {
+    if (limits[i].lo.w <= d) continue;
+    precise float left = limits[i].lo.w - nearest_to(box, limits[i]);
+    d = max(d, left);
+  }
+  return d;
 }
 
-bool moves(Box box, uint level) {
-  if (farthest(box) >= view.levels[level].y) return true;
-  for (uint i = 0u; i < view.limit_count; ++i)
-    if (!(nearest_to(box, limits[i]) >= limits[i].thresholds[level].y)) return true;
-  return false;
+float own_radius(uint i) { return radii[nodes[i].cell_and_level & 0xfffffffu]; }
+
+bool coarse_enough(uint i, Box box, uint level) {
+  return limited_distance(box) >= (view.by_cell != 0u ? own_radius(i) : view.levels[level].x);
+}
+
+bool moves(uint i, Box box, uint level) {
+  if (view.by_cell == 0u || level == 0u) return limited_farthest_distance(box) >= view.levels[level].y;
+  precise float still = own_radius(i) + view.levels[level].w;
+  return limited_distance(box) > still;
 }
 
 bool outside(Box box, float margin) {
@@ -111,17 +130,17 @@ void main() {
   if (i >= view.node_count) return;
   Box box = box_of(i);
   uint level = nodes[i].cell_and_level >> 28;
-  bool drawn = level == view.finest || coarse_enough(box, level);
   bool seen = !outside(box, view.levels[level].z);
+  bool drawn = seen && (level == view.finest || coarse_enough(i, box, level));
   uint above = i, level_above = level;
   while (drawn && seen && level_above > 0u) {
     above = nodes[above].parent;
     level_above -= 1u;
     Box around = box_of(above);
-    drawn = !coarse_enough(around, level_above);
     seen = !outside(around, view.levels[level_above].z);
+    drawn = seen && !coarse_enough(above, around, level_above);
   }
-  decisions[i] = drawn && seen ? (moves(box, level) ? 3u : 1u) : 0u;
+  decisions[i] = drawn && seen ? (moves(i, box, level) ? 3u : 1u) : 0u;
 }
 )";
 
@@ -131,28 +150,23 @@ ViewUniforms view_uniforms(const ModelFrame& model, std::size_t nodes) {
   ViewUniforms u;
   const Frustum frustum = frustum_of(model.view_projection);
   for (std::size_t k = 0; k < 6; ++k) u.frustum[k] = {frustum[k].n.x, frustum[k].n.y, frustum[k].n.z, frustum[k].d};
-  for (std::size_t l = 0; l < radii.select.size(); ++l)
-    u.levels[l] = {reaching(radii.metric, radii.select[l]), reaching(radii.metric, radii.band_begin[l]),
-                   displacement_bound(hierarchy.sigma0, static_cast<int>(l)), 0};
+  for (std::size_t l = 0; l < radii.select.size(); ++l) {
+    const int level = static_cast<int>(l);
+    u.levels[l] = {radii.select[l], radii.band_begin[l], displacement_bound(hierarchy.sigma0, level),
+                   radii.delta * cell_size(level)};
+  }
   u.viewpoint = {model.morph.viewpoint.x, model.morph.viewpoint.y, model.morph.viewpoint.z};
   u.finest = static_cast<std::uint32_t>(hierarchy.finest());
   u.node_count = static_cast<std::uint32_t>(nodes);
   u.limit_count = static_cast<std::uint32_t>(model.morph.limits.size());
+  u.by_cell = radii.by_cell.empty() ? 0 : 1;
   return u;
 }
 
-std::vector<LimitUniforms> limit_uniforms(const MorphContext& morph) {
-  const Radii& radii = *morph.radii;
+std::vector<LimitUniforms> limit_uniforms(DetailLimits limits) {
   std::vector<LimitUniforms> all;
-  for (const DetailLimit& limit : morph.limits) {
-    LimitUniforms u;
-    u.lo = {limit.box.lo.x, limit.box.lo.y, limit.box.lo.z, 0};
-    u.hi = {limit.box.hi.x, limit.box.hi.y, limit.box.hi.z, 0};
-    for (std::size_t l = 0; l < radii.select.size(); ++l)
-      u.thresholds[l] = {falling_below(radii.metric, limit.radius, radii.select[l]),
-                         falling_below(radii.metric, limit.radius, radii.band_begin[l])};
-    all.push_back(u);
-  }
+  for (const auto& [box, radius] : limits)
+    all.push_back({{box.lo.x, box.lo.y, box.lo.z, radius}, {box.hi.x, box.hi.y, box.hi.z, 0}});
   return all;
 }
 
@@ -184,6 +198,8 @@ GlSelector::GlSelector(std::span<const Hierarchy* const> models) {
     glNamedBufferStorage(model.nodes.name(), bytes(nodes.size() * sizeof(Node)), nodes.empty() ? nullptr : nodes.data(),
                          0);
     glNamedBufferStorage(model.decisions.name(), bytes(nodes.size() * 4), nullptr, 0);
+    glNamedBufferStorage(model.radii.name(), bytes(hierarchy->cells.size() * sizeof(float)), nullptr,
+                         GL_DYNAMIC_STORAGE_BIT);
     check_memory("uploading the table of cells");
     models_.push_back(std::move(model));
   }
@@ -194,24 +210,32 @@ const GlProgram& GlSelector::program(DistanceMetric metric) {
   if (!program) {
     std::string text = "#define LEVELS " + std::to_string(max_level + 1) + "\n";
     if (metric == DistanceMetric::chebyshev) text += "#define CHEBYSHEV\n";
-    const GlStage stage{GL_COMPUTE_SHADER, text + selection_source};
+    const GlStage stage{GL_COMPUTE_SHADER, text + exact_root_source + selection_source};
     program = link_program(std::span(&stage, 1));
   }
   return *program;
 }
 
+void GlSelector::send_radii(Model& model, const std::vector<float>& by_cell) {
+  if (by_cell == model.sent_radii) return;
+  model.sent_radii = by_cell;
+  glNamedBufferSubData(model.radii.name(), 0, static_cast<GLsizeiptr>(by_cell.size() * sizeof(float)), by_cell.data());
+}
+
 void GlSelector::select(const ModelFrame& model, GlStream& stream, Selection& out) {
-  const Model& own = models_[model.model];
+  Model& own = models_[model.model];
   out.cells.clear();
   out.visited = 0;
   if (own.cells.empty()) return;
   const ViewUniforms view = view_uniforms(model, own.cells.size());
-  const std::vector<LimitUniforms> limits = limit_uniforms(model.morph);
+  const std::vector<LimitUniforms> limits = limit_uniforms(model.morph.limits);
+  if (view.by_cell) send_radii(own, model.morph.radii->by_cell);
   glUseProgram(program(model.morph.radii->metric).name());
   stream.write(std::span(&view, 1)).bind(GL_UNIFORM_BUFFER, view_block);
-  stream.write(std::span<const LimitUniforms>(limits)).bind(GL_SHADER_STORAGE_BUFFER, radii_block);
+  stream.write(std::span<const LimitUniforms>(limits)).bind(GL_SHADER_STORAGE_BUFFER, detail_limits_block);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, nodes_block, own.nodes.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, decisions_block, own.decisions.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, cell_radii_block, own.radii.name());
   glDispatchCompute(static_cast<GLuint>((own.cells.size() + group_size - 1) / group_size), 1, 1);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   decisions_.resize(own.cells.size());

@@ -1,9 +1,8 @@
 // Selection on the device: select_cells of render/lod/selection.h by a compute shader, a cell an invocation, with the
 // same decisions bit for bit.
 //
-// OpenGL promises the exact sum, difference and product of floats, but not the exact square root. The shader takes
-// none: it compares sums of squares with thresholds, the smallest float whose root reaches a radius, which the CPU
-// finds with the root that its own selection takes (thresholds.h).
+// OpenGL promises correctly rounded sums, differences and products of floats, but not such a square root: the shader
+// finds the rounded root itself (exact_root.h). Radii may belong to levels or to cells.
 //
 // The table of cells has the order in which select_cells visits them, so that the list has the same order, too. The
 // decisions come back to the CPU, four bytes a cell, as it makes the draw commands.
@@ -22,7 +21,7 @@ namespace lodestone {
 
 class GlSelector {
  public:
-  // Tables of the models, 32 bytes a cell. Throws UnsupportedError when the driver refuses the program.
+  // Tables of the models, 36 bytes a cell. Throws UnsupportedError when the driver refuses the program.
   explicit GlSelector(std::span<const Hierarchy* const> models);
 
   // Does what select_cells does with the frustum of the model's view projection and its limits, culled cells left out;
@@ -39,8 +38,10 @@ class GlSelector {
   struct Model {
     std::vector<CellId> cells;  // by node
     std::vector<std::uint8_t> levels;
-    GlBuffer nodes, decisions;
+    GlBuffer nodes, decisions, radii;
+    std::vector<float> sent_radii;  // by cell; they are sent again when they have changed
   };
+  static void send_radii(Model& model, const std::vector<float>& by_cell);
   [[nodiscard]] const GlProgram& program(DistanceMetric metric);
 
   std::vector<Model> models_;
