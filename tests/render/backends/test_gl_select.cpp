@@ -85,6 +85,20 @@ void expect_same(const Selection& device, const Selection& cpu, int view) {
   }
 }
 
+// Rules and metrics in turns. `number` gives one between two others.
+template <class Number>
+RadiiConfig config_of(int view, const Number& number) {
+  RadiiConfig config;
+  config.metric = view % 3 ? DistanceMetric::euclidean : DistanceMetric::chebyshev;
+  config.rule = view % 2 ? RadiiRule::adaptive : view % 5 ? RadiiRule::per_level : RadiiRule::uniform;
+  if (config.rule == RadiiRule::adaptive)
+    config.pixel_error = std::exp(number(0.0f, 5.0f));
+  else
+    config.kappa0 = number(0.2f, 6.0f);
+  config.delta = view % 7 ? 0 : 0.1f;
+  return config;
+}
+
 TEST_F(GlSelect, IsTheCpusSelection) {
   const NaiveHierarchy torus = naive_hierarchy(torus_mesh(128, 64), 4), land = naive_hierarchy(terrain_mesh(64), 3);
   const std::vector<const Hierarchy*> models{&torus.hierarchy, &land.hierarchy};
@@ -102,15 +116,7 @@ TEST_F(GlSelect, IsTheCpusSelection) {
   for (int view = 0; view < 800; ++view) {
     const auto model = static_cast<std::uint32_t>(view / 2 % 2);
     const Hierarchy& h = *models[model];
-    RadiiConfig config;
-    config.metric = view % 3 ? DistanceMetric::euclidean : DistanceMetric::chebyshev;
-    config.rule = view % 2 ? RadiiRule::adaptive : view % 5 ? RadiiRule::per_level : RadiiRule::uniform;
-    if (config.rule == RadiiRule::adaptive)
-      config.pixel_error = std::exp(number(0, 5));
-    else
-      config.kappa0 = number(0.2f, 6);
-    config.delta = view % 7 ? 0 : 0.1f;
-    const Radii radii = make_radii(h, config, signatures[model]);
+    const Radii radii = make_radii(h, config_of(view, number), signatures[model]);
     const auto to_model = [&](Vec3d p) { return h.transform.origin + h.transform.scale * p; };
     // Now and then on a corner of a cell, or where its distance is its radius but for roundings.
     Vec3d at = point(-0.4, 1.4);
