@@ -38,7 +38,7 @@ class NullRenderer final : public Renderer {
       for (const SelectedCell& selected : drawn.selection->cells) {
         if (!selected.visible) continue;
         ++stats.cells;
-        stats.triangles += models_[drawn.model]->cells[selected.cell].triangles.size();
+        stats.triangles += drawn_triangles(models_[drawn.model]->cells[selected.cell], selected.ranges);
       }
     }
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;

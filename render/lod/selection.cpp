@@ -4,6 +4,13 @@
 
 namespace lodestone {
 
+std::size_t drawn_triangles(const Cell& cell, std::span<const TriangleRange> ranges) {
+  if (ranges.empty()) return cell.triangles.size();
+  std::size_t count = 0;
+  for (const TriangleRange range : ranges) count += range.end - range.begin;
+  return count;
+}
+
 Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level) {
   // A blend of two places may leave the box of both by a rounding.
   const float margin = displacement_bound(hierarchy.sigma0, level) + 1e-6f;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -16,12 +17,27 @@ class NormalCones;  // render/lod/normal_cones.h
 // B(C) grown by as much as morphing vertices of its level may leave it.
 [[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level);
 
+struct TriangleRange {
+  std::uint32_t begin = 0, end = 0;  // of a cell, in its order
+};
+
 struct SelectedCell {
   CellId cell;
   std::uint8_t level = 0;
-  bool visible = true;   // false: selected, but culled
-  bool morphing = true;  // false: lambda = 1 on the whole box, the static path may draw it
+  bool visible = true;                      // false: selected, but culled
+  bool morphing = true;                     // false: lambda = 1 on the whole box, the static path may draw it
+  std::span<const TriangleRange> ranges{};  // ascending: those that may be seen; empty: all (render/culling/runs.h)
 };
+
+// The triangles of a selected cell that are drawn.
+template <class Visit>
+void for_each_drawn(const Cell& cell, std::span<const TriangleRange> ranges, const Visit& visit) {
+  const auto end = static_cast<std::uint32_t>(cell.triangles.size());
+  const TriangleRange all{0, end};
+  for (const TriangleRange range : ranges.empty() ? std::span(&all, 1) : ranges)
+    for (std::uint32_t t = range.begin; t < range.end; ++t) visit(cell.triangles[t]);
+}
+[[nodiscard]] std::size_t drawn_triangles(const Cell& cell, std::span<const TriangleRange> ranges);
 
 struct Selection {
   std::vector<SelectedCell> cells;  // in traversal order (Morton within a parent): a partition of M_L

@@ -142,6 +142,7 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
     }
   }
   resident.update(largest, model.morph.viewpoint);
+  for (const CellId family : resident.went()) placed.runs.forget(*placed.open.hierarchy, family);
   for (const CellId family : resident.went())
     if (std::erase(placed.came, family) == 0) placed.went.push_back(family);
   placed.came.insert(placed.came.end(), resident.came().begin(), resident.came().end());
@@ -237,6 +238,7 @@ void SceneView::select(const ModelFrame& model, Placed& placed, bool hidden) {
   if (placed.open.back_faces && !backs_count)
     config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
+  placed.runs.cull(*placed.open.hierarchy, model.view_projection, frame_.size, placed.selection);
 }
 
 // The shadow map covers the visible cells and the cells that may throw a shadow on them. Casters are the same morphed

@@ -12,6 +12,7 @@
 
 #include "core/hierarchy/model/signatures.h"
 #include "render/culling/back_faces.h"
+#include "render/culling/runs.h"
 #include "render/frame/renderer.h"
 #include "render/lod/resident_cells.h"
 #include "render/scene/scene.h"
@@ -103,6 +104,7 @@ class SceneView {
     std::uint64_t revision = 0;               // of the streamed cells in it
     std::vector<CellId> went, came;           // families that the renderer has yet to lose and to get
     Selection selection, casters;
+    CullingRuns runs;  // of the selection
   };
   void place_models();
   void set_radii(Placed& placed, const RadiiConfig& config);

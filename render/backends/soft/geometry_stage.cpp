@@ -100,6 +100,7 @@ void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
   drawn.cell = selected.cell;
   drawn.level = selected.level;
   drawn.own = &cell;
+  drawn.ranges = selected.ranges;
   drawn.first_triangle = static_cast<TriangleNumber>(cell_of_block_.size() << numbers_per_block_bits);
   drawn.positions = cell.positions.data();
   drawn.normals = cell.normals.data();
@@ -120,7 +121,7 @@ void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
   shares_.push_back(passed.share);
   if (passed.share == MaterialShare::layers) return;
   ++counted_cells_;
-  triangles_ += cell.triangles.size();
+  triangles_ += drawn_triangles(cell, drawn.ranges);
 }
 
 void GeometryStage::place_lambdas() {
@@ -169,7 +170,8 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
   const MaterialShare share = shares_[number];
   const bool one_side = pass.materials != nullptr && !pass.both_sides && effects::has_one_side(*drawn.model);
   const bool by_material = share != MaterialShare::all || one_side;
-  if (!by_material && pass.side == ShownSide::either) return cell.triangles.widened(w.sifted);
+  const bool sifts = by_material || pass.side != ShownSide::either;
+  if (!sifts && drawn.ranges.empty()) return cell.triangles.widened(w.sifted);
   const auto is_back = [&](const Triangle& t) {
     return shows_back(drawn.model->*pass.projection, drawn, t, w.vertices);
   };
@@ -181,11 +183,11 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
     return !(one_side && m.one_sided && is_back(t));
   };
   w.sifted.clear();
-  for (const Triangle& t : cell.triangles) {
-    if (by_material && !has_material(t)) continue;
-    if (pass.side != ShownSide::either && is_back(t) != (pass.side == ShownSide::back)) continue;
+  for_each_drawn(cell, drawn.ranges, [&](const Triangle& t) {
+    if (by_material && !has_material(t)) return;
+    if (pass.side != ShownSide::either && is_back(t) != (pass.side == ShownSide::back)) return;
     w.sifted.push_back(t);
-  }
+  });
   return w.sifted;
 }
 

@@ -44,7 +44,7 @@ std::span<const std::uint32_t> OcclusionStage::second(const Frame& frame, const 
     const DrawnCell& cell = drawn.cells[k];
     if (hides(frame, cell)) {
       ++hidden_;
-      hidden_triangles_ += cell.own->triangles.size();
+      hidden_triangles_ += drawn_triangles(*cell.own, cell.ranges);
     } else {
       second_.push_back(k);
     }

@@ -7,6 +7,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "render/culling/back_faces.h"
+#include "render/culling/runs.h"
 #include "tests/render/conformance.h"
 
 namespace lodestone {
@@ -51,7 +52,8 @@ struct Drawn {
   std::vector<FrameStats> stats;
 };
 
-Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFaces* back_faces) {
+Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFaces* back_faces,
+          CullingRuns* runs = nullptr) {
   Drawn drawn;
   const Hierarchy& h = *flight.hierarchy;
   renderer.upload(h);
@@ -72,6 +74,7 @@ Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFac
     select_cells(h, radii, model.morph.viewpoint,
                  {&frustum, false, {}, back_faces ? back_faces->cones_from(model.morph.viewpoint, {}) : nullptr},
                  selection);
+    if (runs) runs->cull(h, model.view_projection, frame.size, selection);
     model.selection = &selection;
     drawn.stats.push_back(renderer.draw(frame));
     drawn.images.push_back(renderer.read_back());
@@ -101,6 +104,59 @@ void expect_same_but_for_ties(const Drawn& a, const Drawn& b, const std::string&
     EXPECT_LE(d.max, 8) << name << ", frame " << k;
     EXPECT_TRUE(a.images[k].depth == b.images[k].depth) << name << ", frame " << k;
   }
+}
+
+TEST(Culling, OfRunsChangesNoPicture) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const Flight& flight : flights()) {
+    const auto renderer = make_renderer("soft", *scheduler);
+    CullingRuns runs;
+    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, nullptr, &runs);
+    expect_same(all, culled, flight.name);
+    expect_same(all, fly(flight, *renderer, true, nullptr, &runs), flight.name + ", occlusion");
+    EXPECT_LE(triangles(culled), triangles(all)) << flight.name;
+    if (flight.name == "scan fly-in" || flight.name == "land fly-in")
+      EXPECT_LT(triangles(culled), 0.95 * static_cast<double>(triangles(all))) << flight.name;
+    // The null backend counts what the others draw.
+    EXPECT_EQ(triangles(fly(flight, *make_renderer("null", *scheduler), false, nullptr, &runs)), triangles(culled));
+  }
+}
+
+TEST(Culling, OfRunsChangesNoPictureOnGl) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::string why;
+  const auto renderer = test::renderer_if_possible("gl", *scheduler, why);
+  if (!renderer) GTEST_SKIP() << why;
+  for (const Flight& flight : flights()) {
+    if (flight.name.find("fly-in") == std::string::npos) continue;
+    CullingRuns runs;
+    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, nullptr, &runs);
+    expect_same(all, culled, flight.name);
+    EXPECT_EQ(triangles(culled), triangles(fly(flight, *make_renderer("null", *scheduler), false, nullptr, &runs)));
+  }
+}
+
+TEST(Culling, BoxesOfRunsHoldBothEndsOfTheMorph) {
+  Hierarchy h = *test::detail::built(Shape::terrain, 60'000);
+  CullingRuns runs;
+  for (CellId c{1}; c < h.cells.size(); ++c) {
+    const Cell& cell = h.cells[c];
+    const std::vector<Vec3f> coarser(h.cells[cell.parent].positions.begin(), h.cells[cell.parent].positions.end());
+    std::vector<Box3f> expected((cell.triangles.size() + CullingRuns::length - 1) / CullingRuns::length);
+    for (std::size_t t = 0; t < cell.triangles.size(); ++t)
+      for (const std::uint32_t v : cell.triangles[t].v) {
+        expected[t / CullingRuns::length].extend(cell.positions[v]);
+        expected[t / CullingRuns::length].extend(coarser[cell.parents[v]]);
+      }
+    EXPECT_TRUE(std::ranges::equal(runs.boxes(h, c), expected)) << c;
+  }
+  // Of cells that go, others may come in their place.
+  const CellId child = h.cells[CellId(0)].first_child;
+  const std::vector<Vec3f> moved(h.cells[child].positions.size(), Vec3f{});
+  h.cells[child].positions = moved;
+  const std::vector<Box3f> before(runs.boxes(h, child).begin(), runs.boxes(h, child).end());
+  runs.forget(h, CellId(0));
+  EXPECT_FALSE(std::ranges::equal(runs.boxes(h, child), before));
 }
 
 TEST(Culling, OfOccludedCellsChangesNoPicture) {

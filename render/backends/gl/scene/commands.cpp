@@ -79,13 +79,16 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
   // The other share of the model has counted it.
   const bool counts = (pipelines_[pipeline].variant.material_bits & leaves_out_others) == 0;
   if (counts) ++cells_;
-  if (cell.triangles.empty()) return;
-  if (counts) triangles_ += cell.triangles.size();
-  pipelines_[pipeline].triangles += cell.triangles.size();
+  const std::size_t triangles = drawn_triangles(cell, selected.ranges);
+  if (triangles == 0) return;
+  if (counts) triangles_ += triangles;
+  pipelines_[pipeline].triangles += triangles;
 
   Bucket& b = bucket(pipeline, place.group);
-  b.commands.push_back({static_cast<std::uint32_t>(3 * cell.triangles.size()), 1, place.first_index,
-                        static_cast<std::int32_t>(place.first_vertex), static_cast<std::uint32_t>(b.records.size())});
+  const TriangleRange all{0, static_cast<std::uint32_t>(cell.triangles.size())};
+  for (const TriangleRange range : selected.ranges.empty() ? std::span(&all, 1) : selected.ranges)
+    b.commands.push_back({3 * (range.end - range.begin), 1, place.first_index + 3 * range.begin,
+                          static_cast<std::int32_t>(place.first_vertex), static_cast<std::uint32_t>(b.records.size())});
   GlDrawRecord record{place.parent_first_vertex, selected.level | instance << instance_shift, 0, 0};
   if (!is_static(model, selected)) {
     morphing_vertices_ += cell.positions.size();
