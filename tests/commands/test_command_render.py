@@ -193,7 +193,9 @@ class Render(CommandCase):
             expected, by_cpu = self.frames_of("--backend", "gl", *rule)
             pictures, rows = self.frames_of("--backend", "gl", "--select-on-device", *rule)
             self.assertEqual(pictures, expected, rule)
-            self.assertEqual([(r["cells"], r["triangles"]) for r in rows], [(r["cells"], r["triangles"]) for r in by_cpu])
+            self.assertEqual([r["cells"] for r in rows], [r["cells"] for r in by_cpu])
+            # Selection by the CPU leaves out parts of cells.
+            self.assertTrue(all(r["triangles"] >= c["triangles"] for r, c in zip(rows, by_cpu)))
             self.assertTrue(all("device select" in r["milliseconds"] and r["open_edges"] == 0 for r in rows))
             drawn.append(sum(r["triangles"] for r in rows))
         self.assertLess(drawn[0], drawn[1])

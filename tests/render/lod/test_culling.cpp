@@ -150,7 +150,7 @@ TEST(Culling, BoxesOfRunsHoldBothEndsOfTheMorph) {
       }
     EXPECT_TRUE(std::ranges::equal(runs.boxes(h, c), expected)) << c;
   }
-  // Of cells that go, others may come in their place.
+  // Other cells may come in the place of those that go.
   const CellId child = h.cells[CellId(0)].first_child;
   const std::vector<Vec3f> moved(h.cells[child].positions.size(), Vec3f{});
   h.cells[child].positions = moved;
