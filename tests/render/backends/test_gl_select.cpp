@@ -42,7 +42,7 @@ TEST_F(GlExactRoot, IsTheCpusRoot) {
     for (const std::uint32_t exponent : {127u, 128u}) bits.push_back(exponent << 23 | digits);
   const std::size_t regular = bits.size();
   std::mt19937 random(3);
-  for (int k = 0; k < 200'000; ++k) bits.push_back(random() % 0x7f800000u);
+  for (int k = 0; k < 200'000; ++k) bits.push_back(static_cast<std::uint32_t>(random()) % 0x7f800000u);
   for (int k = 0; k < 100'000; ++k) {  // squares and their neighbours, where roots are exact or nearly so
     const auto square =
         std::bit_cast<std::uint32_t>(static_cast<float>(random() % 4096) * static_cast<float>(k % 4096));
@@ -58,7 +58,9 @@ void main() {
   if (i < numbers.length()) numbers[i] = floatBitsToUint(exact_root(uintBitsToFloat(numbers[i])));
 }
 )";
-  const GlStage stage{GL_COMPUTE_SHADER, std::string(exact_root_source) + source};
+  std::string text = exact_root_source;
+  text += source;
+  const GlStage stage{GL_COMPUTE_SHADER, text};
   const GlProgram program = link_program(std::span(&stage, 1));
   const GlBuffer numbers;
   const auto size = static_cast<GLsizeiptr>(bits.size() * 4);
@@ -85,18 +87,28 @@ void expect_same(const Selection& device, const Selection& cpu, int view) {
   }
 }
 
-// Rules and metrics in turns. `number` gives one between two others.
-template <class Number>
-RadiiConfig config_of(int view, const Number& number) {
+// A view of every rule, metric and guard in turn.
+RadiiConfig config_of(int view, std::mt19937& random) {
+  const auto number = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
   RadiiConfig config;
   config.metric = view % 3 ? DistanceMetric::euclidean : DistanceMetric::chebyshev;
   config.rule = view % 2 ? RadiiRule::adaptive : view % 5 ? RadiiRule::per_level : RadiiRule::uniform;
   if (config.rule == RadiiRule::adaptive)
-    config.pixel_error = std::exp(number(0.0f, 5.0f));
+    config.pixel_error = std::exp(number(0, 5));
   else
-    config.kappa0 = number(0.2f, 6.0f);
+    config.kappa0 = number(0.2f, 6);
   config.delta = view % 7 ? 0 : 0.1f;
   return config;
+}
+
+std::vector<DetailLimit> limits_on_cells(const Hierarchy& h, const Radii& radii, std::mt19937& random) {
+  std::vector<DetailLimit> limits;
+  for (int k = 0; k < 12; ++k) {
+    const CellId c(random() % h.cells.size());
+    const float share = std::uniform_real_distribution<float>(0.5f, 1.1f)(random);
+    limits.push_back({h.cells[c].bounds, radii.of(c, static_cast<std::size_t>(h.level_of(c))) * share});
+  }
+  return limits;
 }
 
 TEST_F(GlSelect, IsTheCpusSelection) {
@@ -116,7 +128,7 @@ TEST_F(GlSelect, IsTheCpusSelection) {
   for (int view = 0; view < 800; ++view) {
     const auto model = static_cast<std::uint32_t>(view / 2 % 2);
     const Hierarchy& h = *models[model];
-    const Radii radii = make_radii(h, config_of(view, number), signatures[model]);
+    const Radii radii = make_radii(h, config_of(view, random), signatures[model]);
     const auto to_model = [&](Vec3d p) { return h.transform.origin + h.transform.scale * p; };
     // Now and then on a corner of a cell, or where its distance is its radius but for roundings.
     Vec3d at = point(-0.4, 1.4);
@@ -129,12 +141,7 @@ TEST_F(GlSelect, IsTheCpusSelection) {
     }
     const Camera camera{to_model(at), to_model(point(0, 1)), {0, 0, 1}, number(0.1f, 2)};
     std::vector<DetailLimit> limits;
-    if (view % 3 == 1)
-      for (int k = 0; k < 12; ++k) {
-        const CellId c(random() % h.cells.size());
-        limits.push_back(
-            {h.cells[c].bounds, radii.of(c, static_cast<std::size_t>(h.level_of(c))) * number(0.5f, 1.1f)});
-      }
+    if (view % 3 == 1) limits = limits_on_cells(h, radii, random);
     Frame frame;
     frame.size = {320, 200};
     ModelFrame& drawn = frame.only();
@@ -146,7 +153,8 @@ TEST_F(GlSelect, IsTheCpusSelection) {
     select_cells(h, radii, drawn.morph.viewpoint, {&frustum, false, limits}, expected);
     select_cells(h, radii, drawn.morph.viewpoint, {&frustum, false}, unlimited);
     const std::vector<Selection> selected = renderer_->select(frame);
-    expect_same(selected.at(0), expected, view);
+    ASSERT_EQ(selected.size(), 1u);
+    expect_same(selected[0], expected, view);
     auto& [cells, morphing, limited] = radii.by_cell.empty() ? by_level : by_cell;
     cells += expected.cells.size();
     morphing += static_cast<std::size_t>(std::ranges::count_if(expected.cells, &SelectedCell::morphing));
