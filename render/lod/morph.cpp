@@ -1,7 +1,6 @@
 #include "render/lod/morph.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -24,19 +23,41 @@ namespace {
 
 // The lambda that all vertices of a signature share: 0 where one of their parents' cells is not refined, 1 where one of
 // their own is, and in between by what is missing to either.
-float signature_lambda(const MorphContext& context, int level, const Signatures::Users& users) {
+template <class Distance>
+float signature_lambda(const MorphContext& context, int level, const Signatures::Users& users,
+                       const Distance& distance_of) {
   const Radii& radii = *context.radii;
   const float stale = radii.delta * cell_size(level);
-  const auto within = [&](CellId cell, float radius) {
-    return radius -
-           limited_distance(radii.metric, context.viewpoint, context.hierarchy->cells[cell].bounds, context.limits);
-  };
+  const auto within = [&](CellId cell, float radius) { return radius - distance_of(cell); };
   float parents = std::numeric_limits<float>::infinity(), own = -parents;
   for (const CellId cell : users.parents) parents = std::min(parents, within(cell, radii.by_cell[cell] - 2 * stale));
   if (parents <= 0) return 0;
   for (const CellId cell : users.cells) own = std::max(own, within(cell, radii.by_cell[cell] + stale));
   if (own >= 0) return 1;
   return 1 - blend_share(context.blend, -own / (parents - own));
+}
+
+// With the limits that a signature of the cell may be near to, in `near`.
+MorphContext context_near(const MorphContext& frame, CellId cell, std::vector<DetailLimit>& near) {
+  MorphContext context = frame;
+  if (frame.limits.empty()) return context;
+  const Signatures& signatures = *frame.radii->signatures;
+  Box3f all;  // parents' boxes hold those of the cells
+  for (const std::uint32_t signature : signatures.of(cell))
+    for (const CellId parent : signatures.users(signature).parents) all.extend(frame.hierarchy->cells[parent].bounds);
+  near.clear();
+  limits_near(frame.radii->metric, frame.viewpoint, all, frame.limits, near);
+  context.limits = near;
+  return context;
+}
+
+float distance_of_cell(const MorphContext& context, CellId cell) {
+  return limited_distance(context.radii->metric, context.viewpoint, context.hierarchy->cells[cell].bounds,
+                          context.limits);
+}
+
+float signature_lambda(const MorphContext& context, int level, const Signatures::Users& users) {
+  return signature_lambda(context, level, users, [&](CellId cell) { return distance_of_cell(context, cell); });
 }
 
 // The ends are the stored normals themselves, like those of the positions: an exchange of cells changes no pixel.
@@ -57,9 +78,10 @@ void for_each_vertex(const MorphContext& frame, CellId cell, const Body& body) {
   if (level > 0 && !frame.radii->by_cell.empty()) {
     std::vector<float> lambdas;
     adaptive_lambdas(frame, cell, lambdas);
-    const std::uint32_t first = c.first_shared();
+    const std::span<const std::uint8_t> places = signature_places(frame, cell);
+    const std::size_t first = c.positions.size() - places.size();
     for (std::uint32_t i = 0; i < c.positions.size(); ++i)
-      body(i, lambdas[i < first ? 0 : 1 + i - first], c.parents[i]);
+      body(i, lambdas[i < first ? 0 : places[i - first]], c.parents[i]);
     return;
   }
   MorphContext context = frame;
@@ -100,24 +122,52 @@ float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex) {
 }
 
 void adaptive_lambdas(const MorphContext& frame, CellId cell, std::vector<float>& out) {
-  if (!frame.radii->signatures) return out.assign(1 + frame.hierarchy->cells[cell].shared_ids.size(), 1);
+  if (!frame.radii->signatures) return out.assign(1, 1);
   const Signatures& signatures = *frame.radii->signatures;
   const int level = frame.hierarchy->level_of(cell);
-  const std::span<const std::uint32_t> own = signatures.of(cell);
-  MorphContext context = frame;
   std::vector<DetailLimit> near;
-  if (!frame.limits.empty()) {
-    Box3f all;  // parents' boxes hold those of the cells
-    for (const std::uint32_t signature : own)
-      for (const CellId parent : signatures.users(signature).parents) all.extend(frame.hierarchy->cells[parent].bounds);
-    limits_near(frame.radii->metric, frame.viewpoint, all, frame.limits, near);
-    context.limits = near;
+  const MorphContext context = context_near(frame, cell, near);
+  out.clear();
+  for (const std::uint32_t signature : signatures.of(cell))
+    out.push_back(signature_lambda(context, level, signatures.users(signature)));
+}
+
+void FrameLambdas::begin(const MorphContext& context) {
+  for (const std::uint32_t signature : found_) lambdas_[signature] = -1;
+  for (const CellId cell : measured_) distances_[cell] = -1;
+  found_.clear();
+  measured_.clear();
+  context_ = context;
+  if (!context.radii->signatures) return;
+  lambdas_.resize(context.radii->signatures->count(), -1);
+  distances_.resize(context.hierarchy->cells.size(), -1);
+}
+
+void FrameLambdas::append(CellId cell, std::vector<float>& out) {
+  if (!context_.radii->signatures) return out.push_back(1);
+  const Signatures& signatures = *context_.radii->signatures;
+  const int level = context_.hierarchy->level_of(cell);
+  const MorphContext context = context_near(context_, cell, near_);
+  const auto distance_of = [&](CellId c) {
+    if (distances_[c] < 0) {
+      distances_[c] = distance_of_cell(context, c);
+      measured_.push_back(c);
+    }
+    return distances_[c];
+  };
+  for (const std::uint32_t signature : signatures.of(cell)) {
+    float& lambda = lambdas_[signature];
+    if (lambda < 0) {
+      lambda = signature_lambda(context, level, signatures.users(signature), distance_of);
+      found_.push_back(signature);
+    }
+    out.push_back(lambda);
   }
-  std::array<float, Signatures::most> of_signature;
-  for (std::size_t k = 0; k < own.size(); ++k)
-    of_signature[k] = signature_lambda(context, level, signatures.users(own[k]));
-  out.assign(1, of_signature[0]);
-  for (const std::uint8_t place : signatures.places(cell)) out.push_back(of_signature[place]);
+}
+
+std::span<const std::uint8_t> signature_places(const MorphContext& context, CellId cell) {
+  if (!context.radii->signatures) return {};
+  return context.radii->signatures->places(cell);
 }
 
 Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position) {

@@ -6,7 +6,9 @@
 // only clamped, so that w and P(w) are reached bit for bit; `P + lambda (w - P)` would crack.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/blend.h"
@@ -26,9 +28,28 @@ struct MorphContext {
 // lambda in [0, 1] of a vertex of a cell.
 [[nodiscard]] float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex);
 
-// lambda of all vertices of a cell that is not the root, by adaptive radii: first that of all vertices that no other
-// cell uses, then one for every shared vertex. `out` is overwritten.
+// By adaptive radii: the lambdas of the signatures of a cell that is not the root, in the order of Signatures::of. The
+// first is that of all vertices that no other cell uses; signature_places has those of the shared ones. Without
+// signatures it is that of all vertices. `out` is overwritten.
 void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<float>& out);
+// The same for many cells of one frame: what several of them share is found once.
+class FrameLambdas {
+ public:
+  // A frame begins; what `context` refers to must stay as it is until the next one.
+  void begin(const MorphContext& context);
+  // Appends the lambdas of a cell.
+  void append(CellId cell, std::vector<float>& out);
+
+ private:
+  MorphContext context_;
+  std::vector<float> lambdas_, distances_;  // by signature and by cell; below 0 where not found yet
+  std::vector<std::uint32_t> found_;
+  std::vector<CellId> measured_;
+  std::vector<DetailLimit> near_;
+};
+
+// By shared vertex of the cell: the place of its lambda there; none without signatures.
+[[nodiscard]] std::span<const std::uint8_t> signature_places(const MorphContext& context, CellId cell);
 
 // By distance: lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
 [[nodiscard]] float morph_lambda(const MorphContext& context, int level, Vec3f w);

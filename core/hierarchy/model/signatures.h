@@ -57,6 +57,7 @@ class Signatures {
   // those of one cell, which has an error itself.
   [[nodiscard]] float error(std::uint32_t signature) const { return errors_[signature]; }
   // All of a level are consecutive: [first(level), first(level + 1)), the first of them those of one cell, by rank.
+  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(errors_.size()); }
   [[nodiscard]] std::uint32_t first(int level) const { return first_of_level_[static_cast<std::size_t>(level)]; }
 
  private:

@@ -259,6 +259,8 @@ class MultiDrawRenderer final : public GlRenderer {
     for (const ModelFrame& model : frame.models) {
       assert(model.model < resources_->scene->model_count() &&
              model.morph.hierarchy == &resources_->scene->hierarchy(model.model));
+      if (const auto& signatures = model.morph.radii->signatures)
+        resources_->scene->set_signatures(model.model, signatures);
       instances_.push_back(instance_of(model, resources_->textures.first_material(model.model)));
     }
     if (const std::size_t decoded = resources_->textures.prepare(frame, *scheduler_))

@@ -201,8 +201,9 @@ VertexJob GeometryStage::vertex_job(const SetupContext& context, const DrawnCell
     job.has_lambdas = !morph.radii->by_cell.empty();
     if (job.has_lambdas) {
       adaptive_lambdas(morph, drawn.cell, w.adaptive);
-      std::fill_n(drawn.lambdas, drawn.own->first_shared(), w.adaptive.front());
-      std::copy(w.adaptive.begin() + 1, w.adaptive.end(), drawn.lambdas + drawn.own->first_shared());
+      const std::span<const std::uint8_t> places = signature_places(morph, drawn.cell);
+      float* shared = std::fill_n(drawn.lambdas, drawn.own->positions.size() - places.size(), w.adaptive.front());
+      for (const std::uint8_t place : places) *shared++ = w.adaptive[place];
     } else {
       w.limits.clear();
       limits_near(morph.radii->metric, morph.viewpoint, drawn.own->bounds, morph.limits, w.limits);

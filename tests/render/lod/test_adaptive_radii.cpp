@@ -135,10 +135,11 @@ TEST(AdaptiveRadii, LambdaFollowsTheSignature) {
       std::vector<float> all;
       adaptive_lambdas(morph, c, all);
       const Cell& cell = h.cells[c];
-      ASSERT_EQ(all.size(), 1 + cell.shared_ids.size());
+      ASSERT_EQ(all.size(), signatures.of(c).size());
       for (VertexId v{0}; v < cell.positions.size(); ++v) {
         const bool shared = v >= cell.first_shared();
-        const std::uint32_t s = signatures.of(c)[shared ? signatures.places(c)[v - cell.first_shared()] : 0];
+        const std::size_t place = shared ? signatures.places(c)[v - cell.first_shared()] : 0;
+        const std::uint32_t s = signatures.of(c)[place];
         float p = HUGE_VALF, q = -HUGE_VALF;
         for (const CellId k : signatures.users(s).parents)
           p = std::min(p, radii.by_cell[k] - distance(radii.metric, morph.viewpoint, h.cells[k].bounds));
@@ -147,7 +148,7 @@ TEST(AdaptiveRadii, LambdaFollowsTheSignature) {
         ASSERT_FALSE(p <= 0 && q >= 0);  // the ends exclude each other
         const float lambda = p <= 0 ? 0 : q >= 0 ? 1 : 1 - blend_share(Blend::linear, -q / (p - q));
         ASSERT_EQ(lambda, vertex_lambda(morph, c, v));
-        ASSERT_EQ(lambda, all[shared ? 1 + v - cell.first_shared() : 0]);
+        ASSERT_EQ(lambda, all[place]);
         (lambda == 1 ? own : lambda == 0 ? parents : between) += 1;
       }
     }

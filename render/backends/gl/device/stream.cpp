@@ -54,14 +54,17 @@ void GlStream::next_frame() {
 void GlStream::grow(std::size_t needed) {
   if (alignment_ == 0) alignment_ = alignment_for_all();
   region_bytes_ = std::bit_ceil(std::max(needed, least_region));
-  GlBuffer larger;
+  GlBuffer larger, larger_copy;
   const auto bytes = static_cast<GLsizeiptr>(regions * region_bytes_);
   glNamedBufferStorage(larger.name(), bytes, nullptr, access);
+  glNamedBufferStorage(larger_copy.name(), bytes, nullptr, 0);
   check_memory("sending a frame");
   mapped_ = static_cast<std::byte*>(glMapNamedBufferRange(larger.name(), 0, bytes, access));
   if (!mapped_) throw ResourceError(describe("", "OpenGL", "a buffer cannot be mapped", "use --backend soft"));
   std::swap(buffer_, larger);
+  std::swap(copy_, larger_copy);
   outgrown_.push_back(std::move(larger));
+  outgrown_.push_back(std::move(larger_copy));
   for (std::size_t region = 0; region < regions; ++region) forget_fence(region);
   region_ = used_ = 0;
 }
@@ -70,9 +73,13 @@ GlRange GlStream::write_bytes(std::span<const std::byte> bytes) {
   const std::size_t size = std::max<std::size_t>(bytes.size(), 4);
   if (region_bytes_ == 0 || used_ + size > region_bytes_) grow(2 * (used_ + size));
   const std::size_t at = region_ * region_bytes_ + used_;
-  if (!bytes.empty()) std::memcpy(mapped_ + at, bytes.data(), bytes.size());
+  if (!bytes.empty()) {
+    std::memcpy(mapped_ + at, bytes.data(), bytes.size());
+    glCopyNamedBufferSubData(buffer_.name(), copy_.name(), static_cast<GLintptr>(at), static_cast<GLintptr>(at),
+                             static_cast<GLsizeiptr>(bytes.size()));
+  }
   used_ = (used_ + size + alignment_ - 1) / alignment_ * alignment_;
-  return {buffer_.name(), static_cast<GLintptr>(at), static_cast<GLsizeiptr>(size)};
+  return {copy_.name(), static_cast<GLintptr>(at), static_cast<GLsizeiptr>(size)};
 }
 
 }  // namespace lodestone

@@ -1,8 +1,11 @@
 // Data of a frame on its way to the device: one buffer that remains mapped (persistent, coherent), used in turn by the
-// frames that may be under way at once.
+// frames that may be under way at once, and its copy in the device's own memory, which shaders read.
 //
 // A region of it is written again only when the device is done with the frame that used it last (a fence says so), and
-// no call allocates, copies or orphans anything once the buffer is large enough.
+// no call allocates or orphans anything once the buffers are large enough.
+//
+// Rejected: shaders that read what is mapped. Every vertex then fetches its lambda from the other side of the bus: on
+// an H100 ten times of what drawing takes.
 #pragma once
 
 #include <array>
@@ -41,7 +44,7 @@ class GlStream {
     return write_bytes(std::as_bytes(values));
   }
 
-  [[nodiscard]] std::size_t bytes() const { return region_bytes_ * regions; }  // of the buffer
+  [[nodiscard]] std::size_t bytes() const { return region_bytes_ * regions; }  // of each buffer
 
  private:
   static constexpr std::size_t regions = 3;
@@ -49,7 +52,7 @@ class GlStream {
   void grow(std::size_t needed);
   void forget_fence(std::size_t region);
 
-  GlBuffer buffer_;
+  GlBuffer buffer_, copy_;
   std::vector<GlBuffer> outgrown_;  // smaller ones that this frame still reads
   std::byte* mapped_ = nullptr;
   std::size_t region_bytes_ = 0, region_ = 0, used_ = 0, alignment_ = 0;

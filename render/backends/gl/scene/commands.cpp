@@ -10,12 +10,14 @@ namespace {
 // cell is static here only with some room to the band.
 bool is_static(const ModelFrame& model, const SelectedCell& selected) {
   if (selected.level == 0 || !model.effects.contains(Effect::geomorph)) return true;
+  const Radii& radii = *model.morph.radii;
+  if (!radii.by_cell.empty() && !radii.signatures) return true;  // lambda = 1
   if (selected.morphing) return false;
-  if (!model.morph.radii->by_cell.empty()) return true;  // by the CPU's lambdas
+  if (!radii.by_cell.empty()) return true;  // by the CPU's lambdas
   const MorphContext& morph = model.morph;
   const Box3f& bounds = morph.hierarchy->cells[selected.cell].bounds;
-  return limited_farthest_distance(morph.radii->metric, morph.viewpoint, bounds, morph.limits) * (1 + rounding_guard) <
-         morph.radii->band_begin[selected.level];
+  return limited_farthest_distance(radii.metric, morph.viewpoint, bounds, morph.limits) * (1 + rounding_guard) <
+         radii.band_begin[selected.level];
 }
 
 }  // namespace
@@ -32,6 +34,8 @@ void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry&
   for (std::size_t p = 0; p < pipelines_.size(); ++p)
     for (const ModelFrame* model : pipelines_[p].models) {
       const auto instance = static_cast<std::uint32_t>(model - frame.models.data());
+      if (by_signature_.size() <= instance) by_signature_.resize(instance + 1);
+      by_signature_[instance].begin(model->morph);
       for (const SelectedCell& selected : (model->*geometry.selection)->cells)
         if (selected.visible) add(*model, instance, scene, selected, p);
     }
@@ -93,24 +97,21 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
   if (!is_static(model, selected)) {
     morphing_vertices_ += cell.positions.size();
     record.bits |= morphs_bit;
-    add_motion(model.morph, selected.cell, place, record);
+    add_motion(model.morph, selected.cell, record);
   }
   b.records.push_back(record);
 }
 
 // Sends the lambdas of a cell, or the limits that they follow from.
-void GlCommands::add_motion(const MorphContext& morph, CellId id, const CellPlace& place, GlDrawRecord& record) {
-  const Cell& cell = morph.hierarchy->cells[id];
+void GlCommands::add_motion(const MorphContext& morph, CellId id, GlDrawRecord& record) {
   if (!morph.radii->by_cell.empty()) {
     record.first_limit = static_cast<std::uint32_t>(lambdas_.size());
-    record.end_limit = place.first_vertex + cell.first_shared();
-    adaptive_lambdas(morph, id, of_cell_);
-    lambdas_.insert(lambdas_.end(), of_cell_.begin(), of_cell_.end());
+    by_signature_[record.bits >> instance_shift].append(id, lambdas_);
     return;
   }
   record.first_limit = static_cast<std::uint32_t>(limits_.size());
   near_.clear();
-  limits_near(morph.radii->metric, morph.viewpoint, cell.bounds, morph.limits, near_);
+  limits_near(morph.radii->metric, morph.viewpoint, morph.hierarchy->cells[id].bounds, morph.limits, near_);
   for (const DetailLimit& l : near_)
     limits_.push_back({{l.box.lo.x, l.box.lo.y, l.box.lo.z}, l.radius, {l.box.hi.x, l.box.hi.y, l.box.hi.z}, 0});
   record.end_limit = static_cast<std::uint32_t>(limits_.size());

@@ -66,7 +66,7 @@ class GlCommands {
   void sort_into_pipelines(const Frame& frame, const GlGeometry& geometry);
   void add(const ModelFrame& model, std::uint32_t instance, const GlScene& scene, const SelectedCell& selected,
            std::size_t pipeline);
-  void add_motion(const MorphContext& morph, CellId id, const CellPlace& place, GlDrawRecord& record);
+  void add_motion(const MorphContext& morph, CellId id, GlDrawRecord& record);
   Bucket& bucket(std::size_t pipeline, std::uint32_t group);
 
   std::vector<GlPipeline> pipelines_;
@@ -77,7 +77,8 @@ class GlCommands {
   std::vector<GlMultiDraw> multi_draws_;
   std::vector<DetailLimit> near_;
   std::vector<GlLimit> limits_;
-  std::vector<float> lambdas_, of_cell_;  // of the frame, of one cell
+  std::vector<float> lambdas_;
+  std::vector<FrameLambdas> by_signature_;  // of the models
   GlRange sent_commands_, sent_records_, sent_limits_, sent_lambdas_;
   std::uint64_t cells_ = 0, triangles_ = 0, morphing_vertices_ = 0;
 };

@@ -74,6 +74,12 @@ const FamilyPlace& GlPlaces::add(FamilyId id) {
   return families_[id] = family;
 }
 
+std::vector<FamilyId> GlPlaces::families() const {
+  std::vector<FamilyId> all;
+  for (const auto& [id, family] : families_) all.push_back(id);
+  return all;
+}
+
 void GlPlaces::remove(FamilyId id) {
   const FamilyPlace& family = families_.at(id);
   rooms_[family.group].vertices.release(family.first_vertex, family.size.vertices);

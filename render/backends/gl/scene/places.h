@@ -102,6 +102,8 @@ class GlPlaces {
   void remove(FamilyId family);
 
   [[nodiscard]] const CellPlace& place(std::uint32_t model, CellId cell) const { return places_[model][cell]; }
+  // Those that have a place, of all models.
+  [[nodiscard]] std::vector<FamilyId> families() const;
   [[nodiscard]] const std::vector<GroupSize>& groups() const { return groups_; }
   [[nodiscard]] AttributeSet attributes(std::uint32_t group) const { return kinds_[rooms_[group].kind].attributes; }
 

@@ -32,12 +32,13 @@ void copy(const GlBuffer& buffer, std::uint64_t first, const IndexView<T>& indic
   copy(buffer, first, indices.widened(room), item_bytes);
 }
 
-// Bytes are read as numbers in [0, 1].
+// Four bytes are read as numbers in [0, 1].
 void set_attribute(GLuint array, GLuint attribute, GLint count, GLenum type) {
   glEnableVertexArrayAttrib(array, attribute);
   glVertexArrayAttribBinding(array, attribute, attribute);
-  if (type == GL_FLOAT || type == GL_UNSIGNED_BYTE)
-    glVertexArrayAttribFormat(array, attribute, count, type, type == GL_UNSIGNED_BYTE, 0);
+  const bool bytes = type == GL_UNSIGNED_BYTE && count == 4;
+  if (type == GL_FLOAT || bytes)
+    glVertexArrayAttribFormat(array, attribute, count, type, bytes, 0);
   else
     glVertexArrayAttribIFormat(array, attribute, count, type, 0);
 }
@@ -56,7 +57,9 @@ GroupSize size_of_all(const Hierarchy& hierarchy) {
 
 GlScene::GlScene(std::span<const Hierarchy* const> models, std::size_t max_storage_block_bytes,
                  const std::vector<GroupSize>& expected)
-    : models_(models.begin(), models.end()), places_(models_, max_storage_block_bytes / sizeof(Vec3f), expected) {}
+    : models_(models.begin(), models.end()),
+      signatures_(models.size()),
+      places_(models_, max_storage_block_bytes / sizeof(Vec3f), expected) {}
 
 void GlScene::add(FamilyId id) {
   const Hierarchy& model = *models_[id.model];
@@ -80,6 +83,27 @@ void GlScene::add(FamilyId id) {
     copy(group.materials, place.first_vertex, cell.attributes.materials);
     copy(group.indices, place.first_index, cell.triangles, sizeof(std::uint32_t));
   }
+  if (signatures_[id.model]) copy_signature_places(id);
+}
+
+void GlScene::set_signatures(std::uint32_t model, const std::shared_ptr<const Signatures>& signatures) {
+  if (signatures_[model] == signatures) return;
+  signatures_[model] = signatures;
+  for (const FamilyId family : places_.families())
+    if (family.model == model) copy_signature_places(family);
+}
+
+void GlScene::copy_signature_places(FamilyId id) {
+  const Hierarchy& model = *models_[id.model];
+  const FamilyCells range = family_cells(model, id.parent);
+  std::vector<std::uint8_t> of_cell;
+  for (CellId c = range.begin; c < range.end; ++c) {
+    of_cell.assign(model.cells[c].first_shared(), 0);
+    const std::span<const std::uint8_t> shared = signatures_[id.model]->places(c);
+    of_cell.insert(of_cell.end(), shared.begin(), shared.end());
+    const CellPlace& place = places_.place(id.model, c);
+    copy(groups_[place.group].signature_places, place.first_vertex, std::span<const std::uint8_t>(of_cell));
+  }
 }
 
 // The copies of parents are not drawn, and the root has no parents: their slots among the parents are never read.
@@ -94,6 +118,7 @@ GlScene::Group GlScene::make_group(GroupSize size, AttributeSet attributes) {
   add(made.positions, own_position, 3, GL_FLOAT, sizeof(Vec3f));
   add(made.normals, own_normal, 2, GL_SHORT, sizeof(PackedNormal));
   add(made.parents, parent_index, 1, GL_UNSIGNED_INT, sizeof(std::uint32_t));
+  add(made.signature_places, signature_place, 1, GL_UNSIGNED_BYTE, 1);
   if (attributes.uv) add(made.uv, own_uv, 2, GL_FLOAT, sizeof(Vec2f));
   if (attributes.colours) add(made.colours, own_colour, 4, GL_UNSIGNED_BYTE, sizeof(Rgba8));
   if (attributes.materials) add(made.materials, own_material, 1, GL_UNSIGNED_INT, sizeof(std::uint32_t));

@@ -1,16 +1,18 @@
 // Hierarchies, or parts of them, in the memory of the graphics device.
 //
-// A vertex takes 20 bytes: position (three tightly packed floats, read as float[]), packed normal (one uint), parent
-// (one uint, local to the parent cell); a triangle takes 12 bytes. Models that have them add texture coordinates (two
-// floats), colour (four bytes) and material (one uint). The vertices of a group are bound twice: as attributes for the
-// vertex itself, as storage blocks for its parent.
+// A vertex takes 21 bytes: position (three tightly packed floats, read as float[]), packed normal (one uint), parent
+// (one uint, local to the parent cell), place of its signature; a triangle takes 12 bytes. Models that have them add
+// texture coordinates (two floats), colour (four bytes) and material (one uint). The vertices of a group are bound
+// twice: as attributes for the vertex itself, as storage blocks for its parent.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/model/signatures.h"
 #include "render/backends/gl/device/object.h"
 #include "render/backends/gl/device/stream.h"
 #include "render/backends/gl/scene/places.h"
@@ -27,6 +29,8 @@ class GlScene {
   // not suffice.
   void add(FamilyId family);
   void remove(FamilyId family) { places_.remove(family); }
+  // Adaptive radii: the vertices of the model get the places of these signatures, unless they have them already.
+  void set_signatures(std::uint32_t model, const std::shared_ptr<const Signatures>& signatures);
 
   [[nodiscard]] const Hierarchy& hierarchy(std::uint32_t model) const { return *models_[model]; }
   [[nodiscard]] std::size_t model_count() const { return models_.size(); }
@@ -38,14 +42,16 @@ class GlScene {
 
  private:
   struct Group {
-    GlBuffer positions, normals, parents, indices;
+    GlBuffer positions, normals, parents, signature_places, indices;
     GlBuffer uv, colours, materials;  // empty where the models have none
     AttributeSet attributes;
     GlVertexArray vertex_array;
   };
   [[nodiscard]] static Group make_group(GroupSize size, AttributeSet attributes);
+  void copy_signature_places(FamilyId family);
 
   std::vector<const Hierarchy*> models_;
+  std::vector<std::shared_ptr<const Signatures>> signatures_;  // by model; null until they are set
   GlPlaces places_;
   std::vector<Group> groups_;
 };

@@ -119,10 +119,8 @@ float limited(float d, vec3 w) {
 // morph.cpp; the CPU has found the lambdas of adaptive radii, one for each signature
 constexpr const char* given_lambda = R"(
 layout(std430, binding = 2) readonly restrict buffer Lambdas { float lambdas[]; };
-float lambda_of_vertex() {
-  uint v = uint(gl_VertexID);
-  return lambdas[v < draw.w ? draw.z : draw.z + 1u + (v - draw.w)];
-}
+layout(location = 7) in uint signature_place;
+float lambda_of_vertex() { return lambdas[draw.z + signature_place]; }
 )";
 constexpr const char* found_lambda = "float lambda_of_vertex() { return morph_lambda(level, own_position); }\n";
 

@@ -38,7 +38,7 @@ inline constexpr std::uint32_t leaves_out_blended = 1, leaves_out_others = 2, re
 [[nodiscard]] GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass);
 
 // Attributes of the vertex array.
-inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3;
+inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3, signature_place = 7;
 // Attributes that only some models have; only in programs of effects that read them.
 inline constexpr GLuint own_uv = 4, own_colour = 5, own_material = 6;
 // Storage blocks: the vertices of the group again, to be read at the parent's place.
@@ -59,8 +59,7 @@ inline constexpr GLuint frame_block = 0;
 struct GlDrawRecord {
   std::uint32_t parent_first_vertex = 0;  // of the parent cell, in the group's vertices
   std::uint32_t bits = 0;                 // level, morphs_bit (else lambda = 1 for all vertices), number of the model
-  // The detail limits near the cell. Or the place of the lambda of the vertices that no other cell uses, after which
-  // those of the shared ones follow; and the first of these, among the group's vertices.
+  // The detail limits near the cell; or, in the given variant, the first of the lambdas of its signatures.
   std::uint32_t first_limit = 0, end_limit = 0;
 };
 inline constexpr std::uint32_t morphs_bit = 256, instance_shift = 9;
