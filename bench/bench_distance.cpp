@@ -8,10 +8,10 @@
 #include "core/hierarchy/construct/level_surface.h"
 #include "core/mesh/generate.h"
 #include "core/spatial/mesh_distance.h"
-#ifdef LODESTONE_HAS_EMBREE
-#include "bench/embree_points.h"
 #include "core/spatial/surface_samples.h"
 #include "core/spatial/triangle_bvh.h"
+#ifdef LODESTONE_HAS_EMBREE
+#include "bench/embree_points.h"
 #endif
 
 namespace lodestone {
