@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "core/mesh/raw_mesh.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/seams/seam_mesh.h"
 #include "tests/test_meshes.h"
