@@ -11,7 +11,7 @@ namespace {
 
 // Surfaces of less, in a unit cube, are wires and specks: pictures that give them as many triangles are too large.
 constexpr double least_area = 2e-3;
-// Of what is sampled over what is wanted: a mesh to be simplified is sampled finely enough, and not too finely.
+// Limits of the triangles sampled over those wanted, within which a mesh to be simplified is as fine as it should be.
 constexpr double least_finer = 0.6, most_finer = 2.5;
 constexpr double near_enough = 0.02;  // of the logarithm of triangles made over triangles wanted
 constexpr int most_rounds = 4;
@@ -56,7 +56,7 @@ class Bracket {
   double most_, coarse_ = 0, fine_ = std::numeric_limits<double>::infinity();
 };
 
-// How far a trial is from what is wanted.
+// The distance of a trial from what is wanted.
 struct Miss {
   double finer = 1;      // sampled over wanted
   double triangles = 0;  // logarithm of made over wanted, without its sign
