@@ -101,7 +101,8 @@ void merge_faces(benchmark::State& state, MergeKind kind) {
   config.sharp_degrees = 0;
   config.condense = false;
   ReconstructReport report;
-  const DrawnMaps drawn = draw_maps(sphere(), config, report, *scheduler);
+  LastChoice last;
+  const DrawnMaps drawn = draw_maps(sphere(), config, last, report, *scheduler);
   double seconds = 0;
   for (auto _ : state) {
     DrawnMaps copy = drawn;

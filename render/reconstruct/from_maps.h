@@ -1,6 +1,8 @@
 // The two halves of a reconstruction: maps drawn here or read from files (map_files.h), and a mesh from maps.
 #pragma once
 
+#include <optional>
+
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/merge/merge.h"
 #include "render/reconstruct/reconstruct.h"
@@ -18,13 +20,27 @@ struct DrawnMaps {
   std::vector<std::uint32_t> parts;       // of the triangles; empty: one
   std::vector<BorderPoint> border;        // where the surface ends; empty: nowhere, or not known
 };
-[[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
-                                  Scheduler& scheduler);
+
+// Views of one mesh: those that were chosen last serve again where the same choice is asked for, as it is at most
+// resolutions of one search.
+class LastChoice {
+ public:
+  const ChosenViews& views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler);
+
+ private:
+  std::optional<ViewChoice> choice_;
+  ChosenViews chosen_;
+};
+[[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, LastChoice& last,
+                                  ReconstructReport& report, Scheduler& scheduler);
 // Maps that were read; the report gets their spacing.
 [[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
 // `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are extended, and get normals, in
 // place.
 [[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                                      ReconstructReport& report, Scheduler& scheduler);
+// One after the other.
+[[nodiscard]] Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config, LastChoice& last,
+                                         Scheduler& scheduler);
 
 }  // namespace lodestone

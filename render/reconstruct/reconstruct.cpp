@@ -21,6 +21,7 @@
 #include "render/reconstruct/from_maps.h"
 #include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/outside/shell.h"
+#include "render/reconstruct/sampling.h"
 #include "render/reconstruct/views/choose_views.h"
 #include "render/reconstruct/views/condense_map.h"
 #include "render/reconstruct/views/inside_views.h"
@@ -44,17 +45,6 @@ Box3f box_of(const IndexedMesh& mesh) {
   Box3f box;
   for (const Vec3f& p : mesh.positions) box.extend(p);
   return box;
-}
-
-// Spacing of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
-double map_spacing(const ReconstructConfig& config) {
-  return 1 / (config.resolution * (config.merge == MergeKind::concatenate ? 1 : config.detail));
-}
-
-// At which no picture of the unit cube is too large, seen from any side.
-double finest_resolution(const ReconstructConfig& config) {
-  const double sample = map_spacing(config) * config.resolution;  // width of one, in pixels
-  return (largest_map_side - 8) * sample / (std::sqrt(3.0) * (config.condense ? 2 : 1));
 }
 
 // A strip of an open surface of fewer samples across falls to pieces: at its outline only every second pixel is in a
@@ -215,12 +205,6 @@ MergedMesh merge_maps(DrawnMaps& drawn, double spacing, const ReconstructConfig&
   return merged;
 }
 
-// Triangles that are made over those that the resolution stands for. Cubes of tetrahedra give about eight triangles for
-// one of pixels.
-double excess_of(const ReconstructConfig& config, double finer) {
-  return config.merge == MergeKind::shell ? 8 : finer * finer;
-}
-
 // To as many triangles as the resolution stands for, or as are requested. Sets the spacing that they stand for.
 SimplifyMergedConfig simplify_config(const MergedMesh& merged, double spacing, const ReconstructConfig& config,
                                      ReconstructReport& report) {
@@ -255,8 +239,13 @@ void take_moved(const RawMesh& raw, const Transform& transform, MergedMesh& merg
 
 }  // namespace
 
-DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
-                    Scheduler& scheduler) {
+const ChosenViews& LastChoice::views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
+  if (choice_ != choice) chosen_ = choose_views(mesh, choice, scheduler), choice_ = choice;
+  return chosen_;
+}
+
+DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, LastChoice& last,
+                    ReconstructReport& report, Scheduler& scheduler) {
   check_config(config);
   if (config.merge == MergeKind::shell) return draw_even_maps(mesh, config, report, scheduler);
   const CpuClock choose_clock;
@@ -279,7 +268,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (config.views.prescribes_faces())
     report.views.directions = face_directions();
   else
-    report.views = choose_views(mesh, sampled_for(config), scheduler);
+    report.views = last.views(mesh, sampled_for(config), scheduler);
   report.choose = choose_clock.elapsed();
 
   const CpuClock draw_clock;
@@ -353,48 +342,17 @@ DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
 }
 
 Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config, Scheduler& scheduler) {
+  LastChoice last;
+  return reconstruct(mesh, config, last, scheduler);
+}
+
+Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config, LastChoice& last,
+                           Scheduler& scheduler) {
   Reconstruction result;
-  DrawnMaps drawn = draw_maps(mesh, config, result.report, scheduler);
+  DrawnMaps drawn = draw_maps(mesh, config, last, result.report, scheduler);
   if (config.keep_maps) result.maps = drawn.maps;
   result.mesh = mesh_from_maps(drawn, &mesh, config, result.report, scheduler);
   return result;
-}
-
-Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConfig config, std::uint64_t triangles,
-                                        Scheduler& scheduler) {
-  double area = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = to_double(mesh.positions[t.v[0]]), b = to_double(mesh.positions[t.v[1]]),
-                c = to_double(mesh.positions[t.v[2]]);
-    area += 0.5 * length(cross(b - a, c - a));
-  }
-  // Surfaces of less, in a unit cube, are wires and specks: pictures that give them as many triangles are too large.
-  constexpr double least_area = 2e-3;
-  const auto wanted = static_cast<double>(triangles);
-  const bool simplifies = config.merge == MergeKind::shell || (config.merge == MergeKind::stitch && config.detail > 1);
-  if (simplifies) config.triangles = triangles;
-  // Two triangles a pixel, on surfaces that are tilted by a third on the average.
-  const double finest = finest_resolution(config);
-  config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, least_area))), 4.0, finest);
-  // Scattered parts give fewer triangles than pixels promise, however fine these are.
-  const double most = std::min(2 * config.resolution, finest);
-  Reconstruction best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < 4; ++round) {
-    Reconstruction tried = reconstruct(mesh, config, scheduler);
-    const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
-    const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
-    // A mesh to be simplified need not be finer than necessary.
-    const double detail = 1 / (config.resolution * tried.report.map_spacing);
-    const double finer = simplifies ? sampled / (wanted * excess_of(config, detail)) : made / wanted;
-    if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
-    if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
-    if (simplifies) least = std::numeric_limits<double>::infinity();
-    const double next = std::clamp(config.resolution / std::sqrt(finer), 2.0, most);
-    if (next == config.resolution) break;
-    config.resolution = next;
-  }
-  return best;
 }
 
 double resolution_at_distance(const IndexedMesh& mesh, double distance, int rows) {

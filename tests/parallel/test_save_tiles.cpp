@@ -151,6 +151,26 @@ TEST_F(SaveTiles, LargeTreesAreCutIntoTilesets) {
   }
 }
 
+// Cells that fill space are cut more often than those of a surface.
+TEST_F(SaveTiles, NoTilesetHasTensOfThousandsOfTiles) {
+  RawMesh raw;
+  for (std::uint32_t k = 0; k < 8000; ++k) {
+    const Vec3d p{double(k % 20), double(k / 20 % 20), double(k / 400)};
+    for (const Vec3d& d : {Vec3d{}, Vec3d{0.3, 0, 0}, Vec3d{0, 0.3, 0}}) raw.positions.push_back(p + d);
+    raw.triangles.push_back({{3 * k, 3 * k + 1, 3 * k + 2}});
+  }
+  const Hierarchy h = built(std::move(raw), *scheduler_, 5);
+  ASSERT_GT(h.cells.size(), 8000u);
+  const std::vector<double> errors(h.cells.size(), 0.0);
+  const std::vector<TilesetFile> files = encode_tilesets(h, errors);
+  EXPECT_EQ(files.size(), 1 + h.cells_of(1).size());
+  for (const TilesetFile& file : files) {
+    std::size_t tiles = 0;
+    for (std::size_t at = 0; (at = file.json.find(".glb", at)) != std::string::npos; ++at) ++tiles;
+    EXPECT_LT(tiles, 4096u) << file.path;
+  }
+}
+
 TEST_F(SaveTiles, ErrorsCoverThoseOfCoarseTextures) {
   Hierarchy h = built(surface(), *scheduler_);
   const auto errors = [&] {

@@ -89,6 +89,10 @@ void for_each_shown_texture(const Material& m, const Visit& visit) {
     if (texture != no_texture) visit(texture);
 }
 
+// A file is in memory as a whole, here and in a viewer. Where cells fill space, and not a surface, five levels have
+// tens of thousands.
+constexpr std::size_t most_tiles_per_file = 4096;
+
 class TreeEncoder {
  public:
   TreeEncoder(const Hierarchy& hierarchy, std::span<const double> errors, const TilesetConfig& config)
@@ -97,6 +101,7 @@ class TreeEncoder {
     for (std::size_t c = errors_.size(); c-- > 1;)
       if (const CellId parent = hierarchy.cells[c].parent; parent != no_cell)
         errors_[parent] = std::max(errors_[parent], errors_[c]);
+    while (config_.levels_per_file > 1 && tiles_per_file() > most_tiles_per_file) --config_.levels_per_file;
   }
 
   std::vector<TilesetFile> encode() {
@@ -117,6 +122,13 @@ class TreeEncoder {
     const Vec3d o = turn.vector(hierarchy_.transform.origin);
     return {x_axis.x, x_axis.y, x_axis.z, 0, y_axis.x, y_axis.y, y_axis.z, 0,
             z_axis.x, z_axis.y, z_axis.z, 0, o.x,      o.y,      o.z,      1};
+  }
+
+  // Mean number of tiles below those of the deepest level at which files are cut off.
+  [[nodiscard]] std::size_t tiles_per_file() const {
+    const int first = std::max(hierarchy_.finest() - config_.levels_per_file, 0);
+    const Level& roots = hierarchy_.levels[static_cast<std::size_t>(first)];
+    return (hierarchy_.cells.size() - roots.first_cell) / roots.cell_count;
   }
 
   // True at levels finest - n, finest - 2 n, ... of a large tree.

@@ -29,7 +29,9 @@ struct TileImage {
 struct TilesetConfig {
   bool morph = false;            // tiles have the attributes that a viewer needs to morph between levels
   std::size_t max_tiles = 4096;  // larger trees are cut
-  int levels_per_file = 5;       // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
+  // Subtrees of so many levels are cut off, at least 1: about 1400 tiles of a surface. Of fewer levels if they have more
+  // than 4096 tiles on the average.
+  int levels_per_file = 5;
   std::map<std::uint32_t, std::string> thumbnails{};  // files of them by texture, where there are any
   std::vector<std::vector<TileImage>> images{};       // with `morph`: by cell, those of shown_images()
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <unordered_map>
+#include <utility>
 
 #include "core/base/disjoint_sets.h"
 #include "core/mesh/raw_mesh.h"
@@ -151,17 +153,56 @@ std::vector<LoneEdge> border_edges(const IndexedMesh& mesh) {
   return border;
 }
 
-std::vector<BorderPoint> border_points(const IndexedMesh& mesh, std::span<const LoneEdge> border, double spacing) {
+namespace {
+
+// Points of a border without those that tell nothing beside a kept one of their cube: no farther than half its side
+// from it, and facing the same way. Where edges crowd, what is kept follows the space that they are in.
+class SparseBorder {
+ public:
+  explicit SparseBorder(double spacing) : cube_(static_cast<float>(spacing)) {}
+
+  void add(const BorderPoint& point) {
+    std::uint32_t& last = last_.try_emplace(key(point.position), none).first->second;
+    for (std::uint32_t k = last; k != none; k = before_[k])
+      if (tells_same(points[k], point)) return;
+    before_.push_back(last);
+    last = static_cast<std::uint32_t>(points.size());
+    points.push_back(point);
+  }
+
   std::vector<BorderPoint> points;
+
+ private:
+  static constexpr std::uint32_t none = 0xFFFF'FFFFu;
+  static constexpr float same_way = 0.9f;  // least cosine
+
+  [[nodiscard]] bool tells_same(const BorderPoint& kept, const BorderPoint& point) const {
+    const Vec3f d = kept.position - point.position;
+    return 4 * dot(d, d) <= cube_ * cube_ && dot(kept.outward, point.outward) >= same_way;
+  }
+  [[nodiscard]] std::uint64_t key(Vec3f p) const {
+    const auto part = [&](float x) { return static_cast<std::uint64_t>(std::floor(x / cube_)) & 0x1F'FFFF; };
+    return part(p.x) | part(p.y) << 21 | part(p.z) << 42;
+  }
+
+  float cube_;
+  std::unordered_map<std::uint64_t, std::uint32_t> last_;  // the point of each cube that came last
+  std::vector<std::uint32_t> before_;                      // of each point, in its cube
+};
+
+}  // namespace
+
+std::vector<BorderPoint> border_points(const IndexedMesh& mesh, std::span<const LoneEdge> border, double spacing) {
+  SparseBorder points(spacing);
   for (const LoneEdge& edge : border) {
     const auto at = [&](std::uint32_t k) { return mesh.positions[vertex_at(mesh, edge.triangle, edge.corner + k)]; };
     const Vec3f a = at(0), along = at(1) - a, across = cross(along, cross(along, at(2) - a));
     const Vec3f outward = unit_normal(to_double(across));
     const int steps = static_cast<int>(std::ceil(length(along) / spacing));
     for (int k = 0; k <= steps; ++k)
-      points.push_back({a + (static_cast<float>(k) / static_cast<float>(std::max(steps, 1))) * along, outward});
+      points.add({a + (static_cast<float>(k) / static_cast<float>(std::max(steps, 1))) * along, outward});
   }
-  return points;
+  return std::move(points.points);
 }
 
 double narrowest_width(const IndexedMesh& mesh, std::span<const std::uint32_t> parts,

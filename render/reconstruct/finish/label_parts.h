@@ -24,7 +24,8 @@ struct LoneEdge {
   std::uint32_t triangle = 0, corner = 0;
 };
 [[nodiscard]] std::vector<LoneEdge> border_edges(const IndexedMesh& mesh);
-// Points on them, at most `spacing` apart (normalised units), both ends included.
+// Points on them, so that each place on them has one at most `spacing` away (normalised units) that faces as it does.
+// Memory and time follow the space that the border goes through where it is crowded, not its length.
 [[nodiscard]] std::vector<BorderPoint> border_points(const IndexedMesh& mesh, std::span<const LoneEdge> border,
                                                      double spacing);
 // The smallest mean width of a part, in normalised units: twice its area over the length of its border, which is that

@@ -20,6 +20,8 @@ struct ViewChoice {
   int resolution = 256;            // pixels along the box's longest side, of the faces' maps; likewise
   int inside = 12;                 // further views, with obstacles cut off (inside_views.h); 0: none
 
+  friend bool operator==(const ViewChoice&, const ViewChoice&) = default;
+
   // The six faces and no others: nothing needs to be measured.
   [[nodiscard]] bool prescribes_faces() const { return most == 6 && least == 6 && inside == 0; }
 };

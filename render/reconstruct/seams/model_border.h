@@ -19,7 +19,7 @@ struct BorderPoint {
 
 class ModelBorder {
  public:
-  // Points farther apart than `reach` know nothing of each other; > 0. The points are copied.
+  // Points farther apart than `reach` know nothing of each other; > 0. The points are copied, by cells.
   ModelBorder(std::span<const BorderPoint> points, float reach);
 
   [[nodiscard]] bool is_near(Vec3f p) const;

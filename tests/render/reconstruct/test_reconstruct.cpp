@@ -369,6 +369,36 @@ TEST(Reconstruct, MeetsATriangleTarget) {
   EXPECT_NEAR(static_cast<double>(sampled.triangles.size()), 6000, 300);
 }
 
+// Two specks, at the ends of a long box: no resolution that is tried has a pixel for them.
+TEST(Reconstruct, DrawsNothingOfWhatIsSmallerThanAPixel) {
+  const auto serial = make_serial_scheduler();
+  IndexedMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1e-6f, 0, 0}, {0, 1e-6f, 0}, {1, 0, 0}, {1, 1e-6f, 0}, {1, 0, 1e-6f}};
+  mesh.triangles = {{{0, 1, 2}}, {{3, 4, 5}}};
+  for (const MergeKind merge : {MergeKind::stitch, MergeKind::shell}) {
+    ReconstructConfig config = small_config(256);
+    config.merge = merge;
+    const Reconstruction result = reconstruct_to_triangles(mesh, config, 500, *serial);
+    EXPECT_TRUE(result.mesh.triangles.empty());
+    EXPECT_EQ(result.report.pixels, 0u);
+  }
+}
+
+// Separate triangles cannot be made of fewer: no resolution is tried for that.
+TEST(Reconstruct, SamplesPartsThatCannotBeSimplified) {
+  const auto serial = make_serial_scheduler();
+  IndexedMesh mesh;
+  for (std::uint32_t k = 0; k < 4000; ++k) {
+    const Vec3f p{static_cast<float>(k % 16) / 16, static_cast<float>(k / 16 % 16) / 16,
+                  static_cast<float>(k / 256) / 16};
+    for (const Vec3f& d : {Vec3f{0, 0, 0}, Vec3f{0.02f, 0, 0}, Vec3f{0, 0.02f, 0.01f}}) mesh.positions.push_back(p + d);
+    mesh.triangles.push_back({{3 * k, 3 * k + 1, 3 * k + 2}});
+  }
+  const Reconstruction result = reconstruct_to_triangles(mesh, small_config(256), 200, *serial);
+  EXPECT_GT(result.mesh.triangles.size(), 2000u);
+  EXPECT_LT(result.report.drawn_resolution, 64);
+}
+
 TEST(Reconstruct, CoarserFromFartherAway) {
   const IndexedMesh mesh = sphere_mesh(2);
   EXPECT_NEAR(resolution_at_distance(mesh, 20) / resolution_at_distance(mesh, 40), 2, 1e-9);

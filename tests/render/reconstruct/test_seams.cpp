@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "core/mesh/raw_mesh.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/seams/seam_mesh.h"
 #include "tests/test_meshes.h"
@@ -269,6 +270,33 @@ TEST(ZipSeams, SpansNoGapOfTheModel) {
     EXPECT_EQ(std::count(seam.rim.begin(), seam.rim.end(), 1), 84);
     EXPECT_EQ(zip_seams(seam, {.spacing = 1}, *serial), is_gap ? 0u : 40u);
     EXPECT_EQ(fill_holes(seam, {.spacing = 1, .longest = 1000}).filled, 0u);  // outlines
+  }
+}
+
+// A comb of needles side by side, far closer than the spacing: what is kept follows the area that they are in, and
+// every place of the border has a point near it that faces as it does.
+TEST(BorderPoints, FollowTheSpaceOfCrowdedEdges) {
+  constexpr std::uint32_t needles = 2000;
+  constexpr double spacing = 0.05;
+  IndexedMesh mesh;
+  for (std::uint32_t k = 0; k < needles; ++k) {
+    const float x = static_cast<float>(k) / needles;
+    for (const Vec3f& p : {Vec3f{x, 0, 0}, Vec3f{x + 0.5f / needles, 0, 0}, Vec3f{x, 1, 0}})
+      mesh.positions.push_back(p);
+    mesh.triangles.push_back({{3 * k, 3 * k + 1, 3 * k + 2}});
+  }
+  const std::vector<LoneEdge> border = border_edges(mesh);
+  ASSERT_EQ(border.size(), 3 * needles);
+  const std::vector<BorderPoint> points = border_points(mesh, border, spacing);
+  EXPECT_LT(points.size(), 16 / (spacing * spacing));
+  for (const LoneEdge& edge : border) {
+    const auto& v = mesh.triangles[edge.triangle].v;
+    const Vec3f a = mesh.positions[v[edge.corner]], b = mesh.positions[v[(edge.corner + 1) % 3]],
+                c = mesh.positions[v[(edge.corner + 2) % 3]];
+    const Vec3f outward = unit_normal(to_double(cross(b - a, cross(b - a, c - a)))), middle = 0.5f * (a + b);
+    EXPECT_TRUE(std::ranges::any_of(points, [&](const BorderPoint& p) {
+      return length(p.position - middle) <= 1.0001 * spacing && dot(p.outward, outward) >= 0.9f;
+    })) << edge.triangle;
   }
 }
 
