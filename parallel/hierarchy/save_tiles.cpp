@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <span>
@@ -13,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/formats/common/float_range.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
@@ -35,7 +37,10 @@ constexpr std::size_t most_decoded_bytes = std::size_t{256} << 20;
 class Saver {
  public:
   Saver(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler, const SaveTilesConfig& config)
-      : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config), tileset_(config.tileset) {}
+      : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config), tileset_(config.tileset) {
+    if (tileset_.morph) signatures_ = signatures_of(hierarchy);
+    tileset_.signatures = signatures_.get();
+  }
 
   SavedTiles save() {
     require_range();
@@ -129,8 +134,12 @@ class Saver {
       return std::filesystem::path(atlas_path(hierarchy_, cell, atlas, image)).filename().string();
     };
     if (config_.tileset.morph) tileset_.images[cell] = shown_images(hierarchy_, cell, atlas);
-    const std::vector<std::byte> glb = encode_cell_glb(
-        hierarchy_, cell, {.morph = config_.tileset.morph, .texture_uri = link, .atlas = &atlas, .atlas_uri = own});
+    const std::vector<std::byte> glb = encode_cell_glb(hierarchy_, cell,
+                                                       {.morph = config_.tileset.morph,
+                                                        .signatures = tileset_.signatures,
+                                                        .texture_uri = link,
+                                                        .atlas = &atlas,
+                                                        .atlas_uri = own});
     bytes_ += write_file(folder_.path() / tile_path(hierarchy_, cell), glb);
     for (std::size_t k = 0; k < atlas.images.size(); ++k)
       bytes_ += write_file(folder_.path() / atlas_path(hierarchy_, cell, atlas, k),
@@ -159,6 +168,10 @@ class Saver {
   }
 
   void save_tilesets() {
+    if (signatures_) {
+      const std::string text = encode_signatures(hierarchy_, *signatures_);
+      bytes_ += write_file(folder_.path() / signatures_path, std::as_bytes(std::span(text)));
+    }
     for (const TilesetFile& file : encode_tilesets(hierarchy_, errors_, tileset_)) {
       stop_if_cancelled();
       bytes_ += write_file(folder_.path() / file.path, std::as_bytes(std::span(file.json)));
@@ -181,6 +194,7 @@ class Saver {
   Scheduler& scheduler_;
   const SaveTilesConfig& config_;
   TilesetConfig tileset_;
+  std::shared_ptr<const Signatures> signatures_;
   std::vector<double> errors_;
   DecodedImages decoded_{hierarchy_, most_decoded_bytes};
   std::mutex linking_;

@@ -15,7 +15,7 @@
 namespace lodestone {
 
 struct SaveTilesConfig {
-  TilesetConfig tileset;
+  TilesetConfig tileset;                 // its signatures and images are found here
   const CancelFlag* cancel = nullptr;    // looked at between tiles; may be null
   std::function<void(double)> progress;  // gets the share done, one call at a time; may be empty
 };

@@ -139,8 +139,11 @@ class Checker:
         require(document["asset"]["version"] == "1.1", path, "asset.version")
         require(is_number(document["geometricError"]) and document["geometricError"] >= 0, path, "geometricError")
         require(document["root"].get("refine") == "REPLACE", path, "root.refine")
-        for thumbnail in document.get("extras", {}).get("lodestone", {}).get("thumbnails", {}).values():
+        figures = document.get("extras", {}).get("lodestone", {})
+        for thumbnail in figures.get("thumbnails", {}).values():
             self.use(path.parent / thumbnail)
+        if "signatures" in figures:
+            self.use(path.parent / figures["signatures"])
         return document["root"], document["geometricError"]
 
     def transform(self, tile, place):

@@ -6,9 +6,11 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/generate.h"
 #include "core/texture/image_codec.h"
@@ -274,6 +276,52 @@ TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
   };
   visit(tileset["root"]);
   EXPECT_GT(textured, 5u);
+}
+
+// The places of vertices with their signatures in the hierarchy.
+std::set<std::pair<std::array<float, 3>, std::size_t>> signed_places(const Cell& cell,
+                                                                     std::span<const std::uint8_t> shared) {
+  std::set<std::pair<std::array<float, 3>, std::size_t>> places;
+  const std::size_t first = cell.first_shared();
+  for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+    const Vec3f p = cell.positions[v];
+    places.insert({{p.x, p.y, p.z}, v < first ? std::size_t{0} : shared[v - first]});
+  }
+  return places;
+}
+
+// The counts in each tile give its vertices the signatures that their places have in the hierarchy.
+TEST_F(SaveTiles, VerticesAreSortedBySignature) {
+  const Hierarchy h = built(surface(), *scheduler_);
+  const Signatures signatures = find_signatures(h);
+  (void)save(h, {.tileset = {.morph = true}, .progress = {}});
+  const auto found = files();
+  EXPECT_EQ(json::parse(found.at("tileset.json"))["extras"]["lodestone"]["signatures"], "signatures.json");
+  EXPECT_EQ(found.at("signatures.json"), encode_signatures(h, signatures));
+  std::size_t shared = 0;
+  for (CellId c{1}; c < h.cells.size(); ++c) {
+    const std::string& glb = found.at(tile_path(h, c));
+    const json document = json_of_glb(glb), &mesh = document["meshes"][0];
+    const json& positions = document["accessors"][mesh["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
+    const json& view = document["bufferViews"][positions["bufferView"].get<std::size_t>()];
+    const auto counts = mesh["extras"]["signatures"].get<std::vector<std::size_t>>();
+    ASSERT_EQ(counts.size(), signatures.of(c).size());
+    EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), positions["count"]);
+    const auto places = signed_places(h.cells[c], signatures.places(c));
+    std::uint32_t length = 0;
+    std::memcpy(&length, glb.data() + 12, sizeof length);
+    const char* next = glb.data() + 28 + length + view.value("byteOffset", 0) + positions.value("byteOffset", 0);
+    for (std::size_t place = 0; place < counts.size(); ++place)
+      for (std::size_t k = 0; k < counts[place]; ++k, next += sizeof(Vec3f)) {
+        std::array<float, 3> position{};
+        std::memcpy(position.data(), next, sizeof position);
+        EXPECT_TRUE(places.contains({position, place})) << tile_path(h, c);
+        shared += place > 0;
+      }
+  }
+  EXPECT_GT(shared, 300u);
+  (void)save(h);
+  EXPECT_EQ(files().count("signatures.json"), 0u);  // other viewers have no use for it
 }
 
 // Tiles that morph are drawn at once, too, and viewers know the size of their atlases.

@@ -33,6 +33,17 @@ json limits_at_rest(const testing::Case& c) {
   return limits;
 }
 
+// Each is a part of its level's, and no larger than that of the parent.
+void give_radii_by_cell(testing::Tables& tables, std::mt19937& random) {
+  Radii& radii = tables.radii;
+  for (const float begin : radii.band_begin) radii.band_end.push_back(begin + 0.01f);
+  for (CellId id{0}; id < tables.hierarchy.cells.size(); ++id) {
+    const CellId parent = tables.hierarchy.cells[id].parent;
+    const float own = testing::uniform(random, 0.5f, 1) * tables.radius_of(id);
+    radii.by_cell.push_back(parent == no_cell ? own : std::min(own, radii.by_cell[parent]));
+  }
+}
+
 json json_of(const testing::Case& c) {
   const Radii& radii = c.tables.radii;
   json cells;
@@ -43,10 +54,12 @@ json json_of(const testing::Case& c) {
                      {"parent", cell.parent == no_cell ? json() : json(std::uint32_t{cell.parent})},
                      {"familyBytes", c.tables.bytes[id]}});
   }
+  json radii_json{{"select", radii.select}, {"begin", radii.band_begin}, {"end", radii.band_end}};
+  if (!radii.by_cell.empty()) radii_json["byCell"] = radii.by_cell;
   json chosen = json::array();
   for (const CellId id : c.choose()) chosen.push_back(std::uint32_t{id});
   return {{"viewpoint", {c.viewpoint.x, c.viewpoint.y, c.viewpoint.z}},
-          {"radii", {{"select", radii.select}, {"begin", radii.band_begin}, {"end", radii.band_end}}},
+          {"radii", radii_json},
           {"cells", cells},
           {"rootBytes", root_bytes},
           {"budget", root_bytes + c.room},
@@ -60,8 +73,11 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   std::mt19937 random(static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)));
   json cases = json::array();
-  for (unsigned long k = std::strtoul(argv[2], nullptr, 10); k > 0; --k)
-    cases.push_back(json_of(testing::Case(random, DistanceMetric::chebyshev)));  // the page's metric
+  for (unsigned long k = std::strtoul(argv[2], nullptr, 10); k > 0; --k) {
+    testing::Case next(random, DistanceMetric::chebyshev);  // the page's metric
+    if (k % 2 == 0) give_radii_by_cell(next.tables, random);
+    cases.push_back(json_of(next));
+  }
   std::cout << cases;
   return 0;
 }

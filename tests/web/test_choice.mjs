@@ -11,7 +11,7 @@ if (!existsSync(bundle)) {
   console.log('skipped: needs three and esbuild (scripts/setup)');
   process.exit(77);
 }
-const {ResidentTiles, Tally, chooseFamilies, excess, limitedBoxDistance} = await import(pathToFileURL(bundle));
+const {ResidentTiles, Tally, chooseFamilies, excess, limitedBoxDistance, radiusOf} = await import(pathToFileURL(bundle));
 const check = (holds, what) => {
   if (!holds) throw new Error(what);
 };
@@ -64,9 +64,9 @@ function chooseSlowly({cells, finest, root}, {radii, viewpoint, budget, rootByte
   const chosen = [], limits = [];
   for (const cell of needed) {
     if (cell.parent !== null && !chosen.includes(cell.parent)) continue;
-    if (limitedBoxDistance(cell.bounds, limits) >= radii.select[cell.level]) continue;
+    if (limitedBoxDistance(cell.bounds, limits) >= radiusOf(radii, cell)) continue;
     if (cost([...chosen, cell]) <= budget) chosen.push(cell);
-    else if (limits.push({box: cell.bounds, radius: radii.select[cell.level]}) === 32) break;
+    else if (limits.push({box: cell.bounds, radius: radiusOf(radii, cell)}) === 32) break;
   }
   return {chosen, all: false, need: cost(needed), ended: limits.length === 32};
 }
@@ -76,8 +76,8 @@ function checkRest({cells, finest}, {radii, viewpoint, budget}, sizes, chosen) {
   const tally = new Tally(sizes, [null, ...chosen]), has = new Set(chosen);
   const missing = cells.filter((c) => c.level < finest && excess(radii, viewpoint, c) > 0 && !has.has(c) && (c.parent === null || has.has(c.parent)));
   for (const cell of missing) {
-    const limits = missing.filter((c) => c !== cell).map((c) => ({box: c.bounds, radius: radii.select[c.level]}));
-    const hidden = limitedBoxDistance(cell.bounds, limits) >= radii.select[cell.level];
+    const limits = missing.filter((c) => c !== cell).map((c) => ({box: c.bounds, radius: radiusOf(radii, c)}));
+    const hidden = limitedBoxDistance(cell.bounds, limits) >= radiusOf(radii, cell);
     check(hidden || tally.bytes + tally.cost(cell) > budget, `a family of ${tally.cost(cell)} bytes is missing, ${budget - tally.bytes} are left`);
   }
 }

@@ -89,15 +89,27 @@ async function testTilesets(run) {
   run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '40');
   run('export', 'sphere.lode', '--tiles', 'tiles', '--morph');
   const text = readFileSync(path.join(folder, 'tiles/tileset.json'), 'utf8'), url = 'http://x/tileset.json';
-  let refused = 0;
+  const table = JSON.parse(readFileSync(path.join(folder, 'tiles/signatures.json'), 'utf8'));
+  const load = (json, signatures) => () => loadTileset(url, async (file) => structuredClone(file.endsWith('signatures.json') ? signatures : json));
+  if (await lineAbout(url, load(JSON.parse(text), table)) !== '') throw new Error('a whole tileset is refused');
+  let refused = 0, refusedTables = 0;
   for (let k = 0; k < 300; ++k) {
     const json = JSON.parse(text);
     bend(random(2) === 0 ? json : pick([json.root, json.extras, json.root.children[0]]));
-    const line = await lineAbout(url, () => loadTileset(url, async () => structuredClone(json)));
+    const line = await lineAbout(url, load(json, table));
     refused += line === '' ? 0 : 1;
   }
   if (refused < 50) throw new Error(`${refused} of 300 tilesets are refused`);
   console.log(`ok: ${refused} of 300 tilesets that are bent are refused`);
+  for (let k = 0; k < 100; ++k) {
+    const bent = structuredClone(table);
+    bend(bent);
+    const line = await lineAbout(url, load(JSON.parse(text), JSON.parse(JSON.stringify(bent))));  // as a file could hold it
+    if (line !== '' && !line.endsWith(': signatures contradict the tiles; the file is damaged')) throw new Error(line);
+    refusedTables += line === '' ? 0 : 1;
+  }
+  if (refusedTables < 30) throw new Error(`${refusedTables} of 100 tables of signatures are refused`);
+  console.log(`ok: ${refusedTables} of 100 tables of signatures that are bent are refused`);
   const endless = JSON.parse(text);
   endless.root.children[0] = {content: {uri: 'tileset.json'}};
   const line = await lineAbout(url, () => loadTileset(url, async () => structuredClone(endless)));

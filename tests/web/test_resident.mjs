@@ -89,6 +89,23 @@ function makeOracle() {
   return loadOracle(path.join(folder, 'tiles'), library);
 }
 
+// Every place is of one signature in all tiles of its level, which holds all of these tiles.
+function testSignatures({tileset, users}) {
+  let shared = 0;
+  for (let level = 1; level <= tileset.finest; ++level) {
+    const sets = new Map();
+    for (const {index} of tileset.cells.filter((c) => c.level === level && users[c.index])) {
+      for (const [place, set] of users[index]) {
+        if (sets.has(place) && sets.get(place).map((c) => c.index).join() !== set.map((c) => c.index).join()) throw new Error(`${place} has two signatures`);
+        if (!set.some((c) => c.index === index)) throw new Error(`tile ${index} has ${place}, its signature does not`);
+        shared += set.length > 1 ? 1 : 0;
+        sets.set(place, set);
+      }
+    }
+  }
+  check(shared > 1000, `the signatures of ${shared} shared vertices are the same in all of their tiles`);
+}
+
 async function testFlights(oracle) {
   const all = oracle.tileset.cells.reduce((sum, c) => sum + 64 * c.vertices + 12 * c.triangles, 0);
   console.log(`${oracle.tileset.cells.length} tiles, ${all} bytes, ${oracle.points.length} points`);
@@ -102,6 +119,12 @@ async function testFlights(oracle) {
   const {free, half, third} = results;
   check(free.finest === oracle.tileset.finest && free.mixed > 50 && free.released === 0, 'without a limit all levels are seen');
   check(half.released > 2 && third.released > 2, 'budgets make families go');
+}
+
+// With radii by level, as tilesets of older programs have them.
+async function testByLevel({folder: from}) {
+  const {cracks, ratio, limited, mixed} = await fly(await loadOracle(from, library, {byLevel: true}), {latency: 8});
+  check(cracks === 0 && ratio > 0 && ratio <= 1 && mixed > 50, `by level: no crack, jumps ${ratio.toFixed(2)} of the bound; ${limited} frames limited, ${mixed} mix levels`);
 }
 
 // Faster than the line brings tiles, and then at rest: detail comes in by and by, until nothing is missing.
@@ -157,7 +180,7 @@ async function testBroken(oracle) {
 let status = 0;
 try {
   const oracle = await makeOracle();
-  for (const test of [testLimits, testFlights, testOutrun, testChecks, testBroken]) {
+  for (const test of [testSignatures, testLimits, testFlights, testByLevel, testOutrun, testChecks, testBroken]) {
     console.log(test.name);
     await test(oracle);
   }

@@ -10,6 +10,10 @@ function makeFiles() {
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
   run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250');
   run('page', 'sphere.lode', '-o', 'tiles');
+  run('page', 'sphere.lode', '-o', 'older');
+  const older = path.join(folder, 'older/models/sphere/tileset.json'), json = JSON.parse(readFileSync(older));
+  delete json.extras.lodestone.signatures;
+  writeFileSync(older, JSON.stringify(json));
   run('build', 'sphere.ply', '-o', 'fine.lode', '--cell-triangles', '60');
   run('page', 'fine.lode', '-o', 'fine');
   writeTorus(80, 50);
@@ -26,8 +30,13 @@ async function allow(page, pixels) {
   if (!await page.isChecked('#automatic')) await page.click('label:has(#automatic)');
 }
 
+// Also of a tileset of an older program, with radii by level.
 async function testCracks(browser) {
-  const {page, quiet, close} = await open(browser, 'tiles');
+  for (const name of ['tiles', 'older']) await testCracksOf(browser, name);
+}
+
+async function testCracksOf(browser, name) {
+  const {page, quiet, close} = await open(browser, name);
   await quiet();
   await allow(page, 6);
   let mixed = 0, cracks = 0, least = 1e9, most = 0;
@@ -52,7 +61,7 @@ async function testCracks(browser) {
   }
   check(mixed >= 2, `${mixed} of 10 views mix levels`);
   check(cracks === 0, `no crack where tiles of several levels meet: ${cracks}`);
-  check(most > 2 * least, `between ${least} and ${most} triangles`);
+  check(most > 2 * least, `${name}: between ${least} and ${most} triangles`);
   await close();
 }
 
@@ -110,7 +119,7 @@ async function testSlowLine(browser) {
     controls.enabled = false;
     const record = () => {
       const {viewpoint, radii, limits, share, bytes, drawn} = m.state;
-      frames.push({viewpoint, radii, limits, share, bytes, drawn: drawn.map((c) => c.index)});
+      frames.push({viewpoint, radii: {...radii, byCell: [...radii.byCell]}, limits, share, bytes, drawn: drawn.map((c) => c.index)});
     };
     for (let k = 0; k < 90; ++k) {
       const t = Math.min(k / 30, 1), a = 4 * Math.max(k / 30 - 1, 0), r = 3 - 2.42 * t;
@@ -168,7 +177,7 @@ async function testRest(browser) {
           if (state !== seen.state) seen.last = seen.frames;
           seen.state = state;
         };
-        document.getElementById('pixels').value = '0.5';
+        document.getElementById('pixels').value = '0.25';
         if (!lodestone.automatic) document.getElementById('automatic').click();
       });
       await quiet();
@@ -253,19 +262,32 @@ async function testMissing(browser) {
   await close();
 }
 
-// So is a tile whose numbers are none.
+// So are a tile whose numbers are none, and one that counts other vertices than it has.
 async function testDamaged(browser) {
+  const spoilPosition = (bytes) => {
+    const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
+    const accessor = json.accessors[json.meshes[0].primitives[0].attributes.POSITION];
+    bytes.writeFloatLE(NaN, 28 + length + (json.bufferViews[accessor.bufferView].byteOffset ?? 0) + (accessor.byteOffset ?? 0));
+  };
+  const spoilCount = (bytes) => {
+    const at = bytes.indexOf('"signatures":[') + 14;
+    bytes[at] = bytes[at] === 0x31 ? 0x32 : 0x31;
+  };
+  await testSpoilt(browser, spoilPosition, /\.glb: vertices or triangles of the tile cannot be; the file is damaged$/);
+  await testSpoilt(browser, spoilCount, /\.glb: signatures of the vertices do not fit; the file is damaged$/);
+}
+
+async function testSpoilt(browser, spoil, reason) {
+  rmSync(path.join(folder, 'numbers'), {recursive: true, force: true});
   run('page', 'sphere.lode', '-o', 'numbers');
   const finest = path.join(folder, 'numbers/models/sphere/2'), file = path.join(finest, readdirSync(finest).sort()[0]), bytes = readFileSync(file);
-  const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
-  const accessor = json.accessors[json.meshes[0].primitives[0].attributes.POSITION];
-  bytes.writeFloatLE(NaN, 28 + length + (json.bufferViews[accessor.bufferView].byteOffset ?? 0) + (accessor.byteOffset ?? 0));
+  spoil(bytes);
   writeFileSync(file, bytes);
   const {page, quiet, close} = await open(browser, 'numbers');
   await page.waitForSelector('#message:not([hidden])');
   await quiet();
   const text = await page.textContent('#text');
-  check(/\.glb: vertices or triangles of the tile cannot be; the file is damaged$/.test(text) && !text.includes('\n'), text);
+  check(reason.test(text) && !text.includes('\n'), text);
   check((await page.evaluate(() => window.lodestone.cracks())).cracks === 0, 'no crack around it');
   await close();
 }

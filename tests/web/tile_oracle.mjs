@@ -6,7 +6,8 @@ import {pathToFileURL} from 'node:url';
 
 const single = Math.fround;
 
-export async function loadOracle(folder, library) {
+// `byLevel`: as if the tileset had no signatures.
+export async function loadOracle(folder, library, {byLevel = false} = {}) {
   const {Glb, loadTileset} = library;
   const root = pathToFileURL(path.join(folder, 'tileset.json')).href;
   const tileset = await loadTileset(root, async (url) => JSON.parse(readFileSync(new URL(url))));
@@ -14,9 +15,11 @@ export async function loadOracle(folder, library) {
     if (cell.url === null) return null;
     const glb = new Glb(new Uint8Array(readFileSync(new URL(cell.url))), cell.url), {attributes} = glb.json.meshes[0].primitives[0];
     const at = glb.accessor(attributes.POSITION), parent = attributes._PARENT === undefined ? at : glb.accessor(attributes._PARENT);
-    return {at, parent};
+    return {at, parent, counts: glb.json.meshes[0].extras?.signatures};
   });
-  return new Oracle(tileset, tiles, library);
+  // Sets of cells by level, as the file has them.
+  const sets = byLevel ? null : JSON.parse(readFileSync(new URL('signatures.json', root))).map(({cells}) => cells);
+  return Object.assign(new Oracle(byLevel ? {...tileset, signatures: null} : tileset, tiles, library, sets), {folder});
 }
 
 const key = (a, k) => `${a[k]},${a[k + 1]},${a[k + 2]}`;
@@ -24,8 +27,9 @@ const key = (a, k) => `${a[k]},${a[k + 1]},${a[k + 2]}`;
 class Oracle {
   // `points`: for each vertex of a finest tile the way up, its place and those of its ancestors, finest first; those of one
   // place have one `id`.
-  constructor(tileset, tiles, library) {
+  constructor(tileset, tiles, library, sets) {
     Object.assign(this, {tileset, library, points: []});
+    this.users = sets && tiles.map((tile, index) => (tile?.counts ? usersOf(tileset, index, tile, sets) : null));
     const ids = new Map();
     const parents = tiles.map((tile) => {
       const to = new Map();
@@ -60,8 +64,21 @@ class Oracle {
       }
       const {level} = cell, up = leaf.level - level, own = way[up], parent = level === 0 ? own : way[up + 1];
       if (own === undefined || parent === undefined) return null;
-      return {level, place: travelled(own, parent, this.shareAt(own, level, frame, drawn.get(cell.index)))};
+      return {level, place: travelled(own, parent, this.users ? this.shareBy(cell, own, frame) : this.shareAt(own, level, frame, drawn.get(cell.index)))};
     };
+  }
+
+  // By signature: the cells that use the vertex, and their parents.
+  shareBy(cell, own, {viewpoint, radii: {byCell}, limits}) {
+    if (cell.level === 0) return 1;
+    const within = ({index, bounds: b}) => {
+      const a = [0, 1, 2].map((i) => Math.max(single(b[i] - viewpoint[i]), single(viewpoint[i] - b[i + 3]), 0)), squares = a.map((x) => single(x * x));
+      const away = ({box, radius}) => single(radius - Math.max(...[0, 1, 2].map((i) => Math.max(single(box[i] - b[i]), single(b[i + 3] - box[i + 3]), 0))));
+      return single(byCell[index] - Math.max(single(Math.sqrt(single(single(squares[0] + squares[1]) + squares[2]))), ...limits.map(away)));
+    };
+    const users = this.users[cell.index].get(own.join()), least = Math.min(...users.map((c) => within(c.parent))), most = Math.max(...users.map(within));
+    if (least <= 0) return 0;
+    return most >= 0 ? 1 : single(1 - single(-most / single(least - most)));
   }
 
   shareAt(own, level, {viewpoint, radii}, limits) {
@@ -120,6 +137,17 @@ class Oracle {
       return (step + moved + end * (4.8e-7 - 2 * Math.log(1 - after.share))) / Math.min(width(before), width(after));
     });
   }
+}
+
+// By place of a vertex, the cells of its signature: the cell alone first, then sets in the order of the file.
+function usersOf({cells}, index, {at, counts}, sets) {
+  const {level} = cells[index], first = cells.findIndex((c) => c.level === level), users = new Map();
+  const own = [[index - first], ...sets[level].filter((set) => set.includes(index - first))].map((set) => set.map((n) => cells[first + n]));
+  let k = 0;
+  counts.forEach((count, place) => {
+    for (const end = k + 3 * count; k < end; k += 3) users.set(key(at, k), own[place]);
+  });
+  return users;
 }
 
 function travelled(own, parent, share) {

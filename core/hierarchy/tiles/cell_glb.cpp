@@ -1,5 +1,7 @@
 // One cell as binary glTF.
+#include <algorithm>
 #include <map>
+#include <span>
 
 #include "core/formats/gltf/glb_builder.h"
 #include "core/hierarchy/model/material_of.h"
@@ -15,14 +17,17 @@ class CellEncoder {
  public:
   CellEncoder(const Hierarchy& hierarchy, CellId cell, const CellGlbConfig& config)
       : hierarchy_(hierarchy),
+        id_(cell),
         cell_(hierarchy.cells[cell]),
         config_(config),
         atlas_(config.atlas && !config.atlas->materials.empty() ? config.atlas : nullptr),
-        morph_(config.morph && cell_.parent != no_cell) {}
+        morph_(config.morph && cell_.parent != no_cell),
+        places_(morph_ && config.signatures ? config.signatures->places(cell) : std::span<const std::uint8_t>{}) {}
 
   std::vector<std::byte> encode() {
     place_node();
     number_vertices();
+    if (morph_ && config_.signatures) sort_by_signature();
     add_vertices();
     add_primitives();
     add_materials();
@@ -47,6 +52,19 @@ class CellEncoder {
         number_[v] = static_cast<std::uint32_t>(used_.size());
         used_.push_back(v);
       }
+  }
+
+  // A few counts then tell all vertices their signatures.
+  void sort_by_signature() {
+    const std::size_t first_shared = cell_.positions.size() - places_.size();
+    const auto place = [&](std::uint32_t v) { return v < first_shared ? std::size_t{0} : places_[v - first_shared]; };
+    std::ranges::stable_sort(used_, {}, place);
+    std::vector<std::uint32_t> counts(config_.signatures->of(id_).size());
+    for (std::size_t k = 0; k < used_.size(); ++k) {
+      number_[used_[k]] = static_cast<std::uint32_t>(k);
+      ++counts[place(used_[k])];
+    }
+    glb_.root["meshes"][0]["extras"]["signatures"] = counts;
   }
 
   template <class Value>
@@ -140,10 +158,12 @@ class CellEncoder {
   }
 
   const Hierarchy& hierarchy_;
+  CellId id_;
   const Cell& cell_;
   const CellGlbConfig& config_;
   const TileAtlas* atlas_;
   bool morph_;
+  std::span<const std::uint8_t> places_;  // by shared vertex
   GlbBuilder glb_;
   Json attributes_;
   std::vector<std::uint32_t> number_, used_;  // of the cell's vertices in the file, and the other way

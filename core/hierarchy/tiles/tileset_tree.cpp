@@ -181,6 +181,7 @@ class TreeEncoder {
                 {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
                 {"vertices", std::count(is_used.begin(), is_used.end(), true)},
                 {"triangles", cell.triangles.size()}};
+    if (config_.signatures) extras["error"] = cell.error;
     for (const TileImage& image : config_.images.at(index)) {
       extras["textures"].push_back(image.path);
       texels_[image.path] = image.texels;
@@ -197,14 +198,16 @@ class TreeEncoder {
       error.push_back(level.error);
     }
     const Vec3d origin = hierarchy_.transform.origin;
-    return {{"sigma0", hierarchy_.sigma0},
-            {"scale", hierarchy_.transform.scale},
-            {"up", name_of(hierarchy_.transform.up.axis)},
-            {"origin", {origin.x, origin.y, origin.z}},
-            {"reach", reach},
-            {"error", error},
-            {"texels", texels_},
-            {"thumbnails", thumbnails_}};
+    Json figures{{"sigma0", hierarchy_.sigma0},
+                 {"scale", hierarchy_.transform.scale},
+                 {"up", name_of(hierarchy_.transform.up.axis)},
+                 {"origin", {origin.x, origin.y, origin.z}},
+                 {"reach", reach},
+                 {"error", error},
+                 {"texels", texels_},
+                 {"thumbnails", thumbnails_}};
+    if (config_.signatures) figures["signatures"] = signatures_path;
+    return figures;
   }
 
   void add_file(const std::string& path, Json root, CellId cell) {
@@ -284,6 +287,24 @@ double TileErrors::of(CellId cell) const {
   const Cell& at = hierarchy_.cells[cell];
   const double texel = texel_size(hierarchy_, at, coarsest_[static_cast<std::size_t>(level)]);
   return product_up(hierarchy_.transform.scale, std::max(double{at.error}, texel));
+}
+
+std::string encode_signatures(const Hierarchy& hierarchy, const Signatures& signatures) {
+  const Signatures::Table& table = signatures.table();
+  Json levels = Json::array();
+  std::size_t set = 0, cell = 0;
+  for (std::size_t level = 0; level < table.sets.size(); ++level) {
+    Json sets = Json::array(), errors = Json::array();
+    for (const std::size_t end = set + table.sets[level]; set < end; cell += table.sizes[set++]) {
+      std::vector<std::uint32_t> cells;
+      for (const CellId c : std::span(table.cells).subspan(cell, table.sizes[set]))
+        cells.push_back(c - hierarchy.levels[level].first_cell);
+      sets.push_back(cells);
+      errors.push_back(table.errors[set]);
+    }
+    levels.push_back({{"cells", std::move(sets)}, {"errors", std::move(errors)}});
+  }
+  return levels.dump();
 }
 
 std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,

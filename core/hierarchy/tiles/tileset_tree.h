@@ -1,7 +1,7 @@
 // A hierarchy as a tileset of 3D Tiles 1.1 (OGC 22-025r4): a tile for each cell, which its children replace.
 //
 //   tileset.json | LEVEL/X_Y_Z.glb for each cell with triangles | textures/T.jpg, T_HALVINGS.jpg | LEVEL/X_Y_Z.json
-//   LEVEL/X_Y_Z_0.jpg: atlases of a tile (tile_atlas.h)
+//   LEVEL/X_Y_Z_0.jpg: atlases of a tile (tile_atlas.h) | signatures.json: for viewers that morph
 //
 // Large trees are cut: a tile whose content is another tileset (LEVEL/X_Y_Z.json) stands for a whole subtree.
 #pragma once
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/model/signatures.h"
 #include "core/hierarchy/tiles/tile_atlas.h"
 
 namespace lodestone {
@@ -27,8 +28,9 @@ struct TileImage {
 };
 
 struct TilesetConfig {
-  bool morph = false;            // tiles have the attributes that a viewer needs to morph between levels
-  std::size_t max_tiles = 4096;  // larger trees are cut
+  bool morph = false;                      // tiles have the attributes that a viewer needs to morph between levels
+  const Signatures* signatures = nullptr;  // with `morph`: what radii by cell need, too; null: radii by level do
+  std::size_t max_tiles = 4096;            // larger trees are cut
   // Subtrees of so many levels are cut off, at least 1: about 1400 tiles of a surface. Of fewer levels if they have more
   // than 4096 tiles on the average.
   int levels_per_file = 5;
@@ -76,8 +78,14 @@ class TileErrors {
 [[nodiscard]] std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,
                                                        const TilesetConfig& config = {});
 
+// The content of `signatures_path`, beside the tileset.json that names it: by level the sets of two cells and more,
+// numbered within the level, and the errors of the sets. Viewers that do not morph need not read it.
+inline constexpr const char* signatures_path = "signatures.json";
+[[nodiscard]] std::string encode_signatures(const Hierarchy& hierarchy, const Signatures& signatures);
+
 struct CellGlbConfig {
   bool morph = false;  // as in TilesetConfig
+  const Signatures* signatures = nullptr;
   // The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
   std::function<std::string(std::uint32_t texture)> texture_uri;
   const TileAtlas* atlas = nullptr;  // of the cell, made with the same `morph`; may be null
@@ -89,7 +97,8 @@ struct CellGlbConfig {
 // copies of a vertex in several cells coincide under the same matrix. Vertices that no triangle uses are left out.
 // Materials are those that the cell uses, or those of its atlas; textures are linked. `morph` adds the values of each
 // vertex's parent as attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates,
-// _PARENTTEXCOORD and _PARENTCOLOR. The cell has triangles.
+// _PARENTTEXCOORD and _PARENTCOLOR. With signatures vertices are in the order of theirs among Signatures::of(cell), and
+// the mesh's extras have the number of vertices of each. The cell has triangles.
 [[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell,
                                                      const CellGlbConfig& config);
 

@@ -1,12 +1,13 @@
 // Which families of tiles belong in memory: a function of the view and the budget alone (render/lod/family_choice.h, the
 // same choice). A family, the children of one cell, is named by that cell. Distances are those of limits (limits.js).
 import {limitedBoxDistance, pointFrom} from './limits.js';
+import {radiusOf} from './radii.js';
 
 const single = Math.fround;
 const PASSED_OVER_AT_MOST = 32;
 
 // By how much the viewpoint is nearer to the cell than its radius; above 0: its children are needed.
-export const excess = ({select}, viewpoint, cell) => single(select[cell.level] - pointFrom(viewpoint, cell.bounds));
+export const excess = (radii, viewpoint, cell) => single(radiusOf(radii, cell) - pointFrom(viewpoint, cell.bounds));
 
 // A larger excess first, then the nearer cell, then the smaller index.
 export function byExcess(radii, viewpoint) {
@@ -112,9 +113,10 @@ function chooseByExcess({root}, needed, {key, order}, {radii, sizeOf, budget, lo
   if (needed(root)) open.push(key(root));
   for (let passedOver = 0; open.size > 0 && passedOver < PASSED_OVER_AT_MOST;) {
     const {cell} = open.pop();
-    if (limitedBoxDistance(cell.bounds, limits) >= radii.select[cell.level]) continue;
+    const radius = radiusOf(radii, cell);
+    if (limitedBoxDistance(cell.bounds, limits) >= radius) continue;
     if (lost.has(cell) || tally.bytes + tally.cost(cell) > budget) {
-      limits.push({box: cell.bounds, radius: radii.select[cell.level]});
+      limits.push({box: cell.bounds, radius});
       passedOver += lost.has(cell) ? 0 : 1;
       continue;
     }

@@ -6,6 +6,8 @@
 // Q a box and R a radius. The distance from boxes is Chebyshev's: no larger than Euclid's, so that d' is 1-Lipschitz all the
 // same, and made of differences and maxima of 32-bit floats alone, which come out in the shader as they do here.
 
+import {radiusOf} from './radii.js';
+
 const single = Math.fround;
 
 // Distances from the box `to`: of a point, and the largest and least of a box's points.
@@ -41,6 +43,11 @@ export function limitsNear(bounds, nearest, limits) {
   return limits.filter((limit) => limit === holder || single(limit.radius - nearestTo(bounds, limit.box)) > least);
 }
 
+// A distance of which a share changes no vertex by more than its share of the way: no band of levels begins below that of
+// the finest, or that has a width; all bands of cells are as wide as those of the finest level.
+const nearBand = ({select, begin, end, byCell}, finest) =>
+  byCell ? end[finest] - begin[finest] : Math.max(begin[finest], select[finest - 1] / 16);
+
 // The limits of a sequence of frames. The excess R - d(v_p, Q) of a limit sinks and rises geometrically: if it is
 // larger than d, d' is at least half of it.
 export class LimitTracker {
@@ -49,8 +56,8 @@ export class LimitTracker {
   // `stateOf(cell)` returns the state of its children, 'there', 'missing', or 'unwanted' (to be removed), for the cells
   // that this view wants to refine. A limit loses or gains a share of its excess in this frame. Returns the limits, the
   // cells whose children are missing, and if any limit differs from those of the last frame.
-  update({root, finest}, {select, begin}, viewpoint, stateOf, share) {
-    const before = this.radii, limits = [], missing = [], least = share * Math.max(begin[finest], select[finest - 1] / 16);
+  update({root, finest}, radii, viewpoint, stateOf, share) {
+    const before = this.radii, limits = [], missing = [], least = share * nearBand(radii, finest);
     this.radii = new Map();
     const next = (cell, state, d, full) => {
       const excess = Math.max(Math.min(before.get(cell) ?? 0, full) - d, 0);
@@ -60,7 +67,7 @@ export class LimitTracker {
     };
     const visit = (cell) => {
       if (cell.level === finest) return;
-      const full = select[cell.level], d = pointFrom(viewpoint, cell.bounds);
+      const full = radiusOf(radii, cell), d = pointFrom(viewpoint, cell.bounds);
       if (d >= full) return;
       const state = stateOf(cell), radius = next(cell, state, d, full);
       if (state === 'missing') missing.push(cell);

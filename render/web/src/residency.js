@@ -3,6 +3,7 @@
 // comes to rest. Loads nothing itself.
 import {Tally, byExcess, chooseFamilies, excess} from './family_choice.js';
 import {LimitTracker, limitedBoxDistance} from './limits.js';
+import {radiusOf, sameRadii} from './radii.js';
 
 export class Residency {
   // `sizeOf` as for a Tally. Its values may change as long as resized() is called afterwards.
@@ -28,8 +29,7 @@ export class Residency {
   }
 
   isRefined(cell) {
-    const full = this.radii.select[cell.level];
-    return excess(this.radii, this.viewpoint, cell) > 0 && limitedBoxDistance(cell.bounds, this.limits) < full;
+    return excess(this.radii, this.viewpoint, cell) > 0 && limitedBoxDistance(cell.bounds, this.limits) < radiusOf(this.radii, cell);
   }
 
   // The steps of a frame, in this order.
@@ -80,5 +80,3 @@ export class Residency {
     return this.chosen.has(cell) ? 'there' : 'unwanted';
   }
 }
-
-const sameRadii = (a, b) => ['select', 'begin', 'end'].every((k) => a[k].every((r, l) => r === b[k][l]));

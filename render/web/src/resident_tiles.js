@@ -2,6 +2,7 @@
 // decides; this loads, holds and releases. A family, the children of one cell, is drawn together or not at all.
 import {Tally, byExcess} from './family_choice.js';
 import {Problem} from './problem.js';
+import {radiusOf} from './radii.js';
 import {Residency} from './residency.js';
 import {boxDistance, selectCells} from './tileset.js';
 
@@ -91,7 +92,7 @@ export class ResidentTiles {
   ahead() {
     const out = [], {lost, radii, viewpoint} = this.residency;
     const visit = (cell) => {
-      if (cell.level === this.tileset.finest || boxDistance(viewpoint, cell.bounds) >= AHEAD * radii.select[cell.level]) return;
+      if (cell.level === this.tileset.finest || boxDistance(viewpoint, cell.bounds) >= AHEAD * radiusOf(radii, cell)) return;
       if (this.residency.has(cell)) cell.children.forEach(visit);
       else if (!lost.has(cell)) out.push(cell);
     };

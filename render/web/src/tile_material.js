@@ -1,21 +1,26 @@
 // The materials of tiles: their vertices travel to their parents' positions as d' grows. Both sides of a border between
 // levels are at the coarser positions, so that nothing cracks, and at the instant of an exchange both levels are, so
-// that nothing pops. Distances are computed by the operations of tileset.js and limits.js, lambda is selected and not
-// clamped.
+// that nothing pops. Vertices look their lambda up by signature, or where tiles have none find it by their distance,
+// computed by the operations of tileset.js and limits.js; it is selected and not clamped.
 import * as THREE from 'three';
 import {look, withLook} from './look.js';
 import {placeMaps, withSides} from './morph_material.js';
 
-const declarations = `
+const bySignature = `
+uniform highp sampler2D lambdas;
+uniform int firstLambda;
+attribute float signature;
+float morphShare() {
+  int k = firstLambda + int(signature);
+  return texelFetch(lambdas, ivec2(k & 255, k >> 8), 0).x;
+}
+`;
+
+const byDistance = `
 uniform vec3 viewpoint;
 uniform float bandBegin, bandEnd;
 uniform highp sampler2D limitBoxes;
 uniform ivec2 limitRange;
-attribute vec3 parentPosition;
-attribute vec3 parentNormal;
-attribute vec2 parentUv;
-attribute vec4 parentColor;
-invariant gl_Position;
 float limitedDistance() {
   vec3 a = abs(position - viewpoint);
   float d = sqrt((a.x * a.x + a.y * a.y) + a.z * a.z);
@@ -33,6 +38,15 @@ float morphShare() {
   if (d >= bandEnd) return 0.0;
   return 1.0 - (d - bandBegin) / (bandEnd - bandBegin);
 }
+`;
+
+const declarations = (uniforms) => `
+attribute vec3 parentPosition;
+attribute vec3 parentNormal;
+attribute vec2 parentUv;
+attribute vec4 parentColor;
+invariant gl_Position;
+${uniforms.lambdas ? bySignature : byDistance}
 vec3 travelled(vec3 own, vec3 parent, float share) {
   return share >= 1.0 ? own : share <= 0.0 ? parent : share * own + (1.0 - share) * parent;
 }
@@ -64,15 +78,15 @@ void morphVertex() {
 #define color morphedColor
 `;
 
-// Makes the vertices of any material of three travel. `uniforms`: viewpoint, bandBegin and bandEnd, limitBoxes, limitRange.
+// Makes the vertices of any material of three travel. `uniforms`: those of a motion (tile_motion.js).
 export function morphTiles(material, uniforms) {
   const {onBeforeCompile} = material, key = material.customProgramCacheKey();
   material.onBeforeCompile = (shader, renderer) => {
     onBeforeCompile.call(material, shader, renderer);
     Object.assign(shader.uniforms, uniforms);
-    shader.vertexShader = declarations + morph + shader.vertexShader.replace('void main() {', 'void main() { morphVertex();');
+    shader.vertexShader = declarations(uniforms) + morph + shader.vertexShader.replace('void main() {', 'void main() { morphVertex();');
   };
-  material.customProgramCacheKey = () => `${key}, tiles`;
+  material.customProgramCacheKey = () => `${key}, tiles ${uniforms.lambdas ? 'by signature' : 'by distance'}`;
   return material;
 }
 
@@ -91,48 +105,8 @@ export function tileMaterial(uniforms, {surface = null, ...parameters}) {
 // A shader without light that counts surfaces (cracks.js): red for fronts, green for backs.
 export const countingTileMaterial = (uniforms) => new THREE.ShaderMaterial({
   uniforms,
-  vertexShader: `${declarations} void main() {
+  vertexShader: `${declarations(uniforms)} void main() {
     gl_Position = projectionMatrix * (modelViewMatrix * vec4(travelled(position, parentPosition, morphShare()), 1.0)); }`,
   fragmentShader: 'void main() { gl_FragColor = gl_FrontFacing ? vec4(1.0 / 255.0, 0, 0, 0) : vec4(0, 1.0 / 255.0, 0, 0); }',
   side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true, blending: THREE.CustomBlending,
   blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendSrcAlpha: THREE.OneFactor, blendDstAlpha: THREE.OneFactor});
-
-const FAR = 3e38;  // for shaders, which need not know infinity
-
-// The bands of the levels, as uniforms.
-export const makeBands = (count) => Array.from({length: count}, () => ({bandBegin: {value: 0}, bandEnd: {value: FAR}}));
-export const setBands = (bands, {begin, end}) => bands.forEach((u, l) => {
-  u.bandBegin.value = Math.min(begin[l], FAR);
-  u.bandEnd.value = Math.min(end[l], FAR);
-});
-
-// The limits of all cells of a frame, those of a cell one after the other: two texels each, low corner and radius, high
-// corner. 128 of them in a row.
-export class LimitTexture {
-  constructor() {
-    this.uniform = {value: null};
-    this.resize(1);
-  }
-
-  resize(rows) {
-    this.uniform.value?.dispose();
-    this.rows = rows;
-    this.data = new Float32Array(1024 * rows);
-    this.uniform.value = new THREE.DataTexture(this.data, 256, rows, THREE.RGBAFormat, THREE.FloatType);
-  }
-
-  // `lists`: [range, limits], the range (a vector of two) is set.
-  fill(lists) {
-    const count = lists.reduce((sum, [, limits]) => sum + limits.length, 0), rows = Math.ceil(count / 128);
-    if (rows > this.rows) this.resize(2 ** Math.ceil(Math.log2(rows)));
-    let at = 0;
-    for (const [range, limits] of lists) {
-      range.set(at, at + limits.length);
-      for (const {box, radius} of limits) {
-        this.data.set([box[0], box[1], box[2], radius, box[3], box[4], box[5], 0], 8 * at);
-        ++at;
-      }
-    }
-    if (count > 0) this.uniform.value.needsUpdate = true;
-  }
-}

@@ -5,17 +5,19 @@
 // tiles are missing (limits.js); the renderer loads what is wanted, and shows what the plugin has chosen: a tile whose
 // error is infinite is replaced as soon as its children are there, and one without an error is not.
 import * as THREE from 'three';
-import {LimitTracker, limitsNear} from './limits.js';
+import {LimitTracker} from './limits.js';
 import {approached, shareOf} from './pace.js';
-import {LimitTexture, makeBands, morphTiles, setBands} from './tile_material.js';
-import {boxDistance, figuresOf, makeRadii, selectCells} from './tileset.js';
+import {makeRadii} from './radii.js';
+import {morphTiles} from './tile_material.js';
+import {MotionByDistance} from './tile_motion.js';
+import {boxDistance, figuresOf, selectCells} from './tileset.js';
 
 const LOADED = 4, FAILED = -1;  // states of the renderer's tiles
 
 class Cell {
   constructor(tile, parent, cellOf) {
     const {level, bounds} = tile.extras;
-    Object.assign(this, {tile, parent, cellOf, level, bounds, range: new THREE.Vector2()});
+    Object.assign(this, {tile, parent, cellOf, level, bounds});
   }
 
   // A tile that stands for a tileset of its own has that one's root in its place.
@@ -54,7 +56,7 @@ export class MorphPlugin {
     delete tiles.calculateTileViewError;
     tiles.removeEventListener('load-root-tileset', this.learn);
     tiles.removeEventListener('update-before', this.update);
-    this.limitBoxes?.uniform.value.dispose();
+    this.motion?.dispose();
   }
 
   preprocessNode(tile, folder, parent) {
@@ -71,16 +73,14 @@ export class MorphPlugin {
     this.figures = figuresOf(tileset, url);
     this.root = this.cellOf.get(tileset.root);
     this.tracker = new LimitTracker();
-    this.limitBoxes = new LimitTexture();
-    this.bands = makeBands(this.figures.finest + 1);
-    Object.assign(this, {viewpoint: {value: new THREE.Vector3()}, pixels: null, time: performance.now(), drawn: [], refined: new Set()});
+    this.motion = new MotionByDistance(this.figures.finest + 1);
+    Object.assign(this, {viewpoint: [0, 0, 0], pixels: null, time: performance.now(), drawn: [], refined: new Set()});
   }
 
   processTileModel(scene, tile) {
-    const cell = this.cellOf.get(tile), {figures, viewpoint, limitBoxes} = this;
+    const cell = this.cellOf.get(tile), {figures} = this;
     if (!cell || !figures) return;
-    const uniforms = {viewpoint, limitBoxes: limitBoxes.uniform, limitRange: {value: cell.range}, ...this.bands[cell.level]};
-    const materials = new Set();
+    const uniforms = this.motion.uniformsOf(cell), materials = new Set();
     scene.traverse((mesh) => {
       if (!mesh.isMesh) return;
       const {geometry, geometry: {attributes: a}, material} = mesh;
@@ -104,22 +104,21 @@ export class MorphPlugin {
     this.pixels = approached(this.pixels, tiles.errorTarget, share);
     const height = tiles.getResolution(camera, new THREE.Vector2()).y;
     const radii = makeRadii(figures, {pixels: this.pixels, height, fov: 2 * Math.atan(1 / p[5]), aspect: p[5] / p[0]});
-    setBands(this.bands, radii);
-    const eye = this.viewpoint.value.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(tiles.group.matrixWorldInverse);
+    const eye = new THREE.Vector3().setFromMatrixPosition(camera.matrixWorld).applyMatrix4(tiles.group.matrixWorldInverse);
     eye.applyMatrix4(root.tile.engineData.transformInverse).divideScalar(figures.scale);
-    const viewpoint = eye.toArray().map(Math.fround);  // like the shader's
+    const viewpoint = this.viewpoint = eye.toArray().map(Math.fround);  // like the shader's
     const {limits, missing, changed} = this.tracker.update({root, finest: figures.finest}, radii, viewpoint, stateOf, share);
     this.drawn = root.state === LOADED ? selectCells({root, finest: figures.finest}, radii, viewpoint, limits) : [];
     this.refined = new Set(missing.filter((c) => c.slots.every((k) => k?.state !== FAILED)));
     for (const cell of this.drawn) for (let c = cell.parent; c !== null; c = c.parent) this.refined.add(c);
-    this.limitBoxes.fill(this.drawn.map((c) => [c.range, limitsNear(c.bounds, boxDistance(viewpoint, c.bounds), limits)]));
+    this.motion.update(this.drawn, radii, viewpoint, limits);
     if (changed || this.pixels !== tiles.errorTarget) tiles.dispatchEvent({type: 'needs-update'});
   }
 
   judge(cell, target) {
     target.inView = true;
     target.error = this.refined.has(cell) ? Infinity : 0;
-    target.distanceFromCamera = this.figures.scale * boxDistance(this.viewpoint.value.toArray(), cell.bounds);
+    target.distanceFromCamera = this.figures.scale * boxDistance(this.viewpoint, cell.bounds);
   }
 }
 

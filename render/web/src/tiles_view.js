@@ -3,16 +3,18 @@ import * as THREE from 'three';
 import {Archive} from './archive.js';
 import {ask, reading} from './files.js';
 import {Glb} from './glb.js';
-import {limitsNear} from './limits.js';
 import {edgesOver, showEdges} from './look.js';
 import {surfaceParameters} from './morph_material.js';
 import {approached, shareOf} from './pace.js';
 import {Problem} from './problem.js';
+import {makeRadii} from './radii.js';
 import {ResidentTiles} from './resident_tiles.js';
+import {placesOf} from './signatures.js';
 import {showsEmission} from './surface.js';
 import {TextureCache} from './texture_cache.js';
-import {LimitTexture, countingTileMaterial, makeBands, setBands, tileMaterial} from './tile_material.js';
-import {boxDistance, loadTileset, makeRadii} from './tileset.js';
+import {countingTileMaterial, tileMaterial} from './tile_material.js';
+import {MotionByDistance, MotionBySignature} from './tile_motion.js';
+import {loadTileset} from './tileset.js';
 import {turnedBox} from './turn.js';
 
 const COARSEST = 64;  // pixels of error where levels begin
@@ -46,9 +48,7 @@ export class TilesView {
     this.node = new THREE.Group();
     this.frame = new THREE.Group();  // turned upright, or not
     this.node.add(this.frame);
-    this.viewpoint = {value: new THREE.Vector3()};
-    this.limitBoxes = new LimitTexture();
-    this.bands = makeBands(tileset.error.length);
+    this.motion = tileset.signatures ? new MotionBySignature(tileset) : new MotionByDistance(tileset.error.length);
     const [x0, y0, z0, x1, y1, z1] = tileset.root.bounds;
     this.extent = new THREE.Box3(new THREE.Vector3(x0, y0, z0), new THREE.Vector3(x1, y1, z1));
   }
@@ -81,17 +81,20 @@ export class TilesView {
   async loadFile(cell, signal) {
     const glb = new Glb(new Uint8Array(await this.request(cell.url, signal)), cell.url);
     await glb.ready;
-    const primitives = glb.json.meshes[0].primitives;
+    const [{primitives, extras}] = glb.json.meshes;
     cell.taken = [];
     const looks = await Promise.all(primitives.map((p) => this.lookOf(cell, glb, p.material)));
     const geometry = this.makeGeometry(glb, primitives);
+    if (this.tileset.signatures) {
+      const places = placesOf(cell, extras?.signatures, geometry.attributes.position.count);
+      geometry.setAttribute('signature', new THREE.BufferAttribute(places, 1));
+    }
     checkGeometry(geometry, glb.name);
-    const range = new THREE.Vector2();
-    const uniforms = {viewpoint: this.viewpoint, limitBoxes: this.limitBoxes.uniform, limitRange: {value: range}, ...this.bands[cell.level]};
+    const uniforms = this.motion.uniformsOf(cell);
     const common = {vertexColors: geometry.attributes.color !== undefined};
     cell.object = new THREE.Mesh(geometry, looks.map((look) => tileMaterial(uniforms, {...common, ...look})));
     Object.assign(cell.object, {frustumCulled: false, visible: false});
-    Object.assign(cell.object.userData, {range, counting: countingTileMaterial(uniforms)});
+    cell.object.userData.counting = countingTileMaterial(uniforms);
     edgesOver(cell.object);
     showEdges(cell.object, this.edges);
     this.frame.add(cell.object);
@@ -151,7 +154,7 @@ export class TilesView {
 
   dispose() {
     this.residents.dispose();
-    this.limitBoxes.uniform.value.dispose();
+    this.motion.dispose();
   }
 
   // Approaches a tolerance of this number of pixels in small steps. Returns true if the next picture may differ though
@@ -159,16 +162,22 @@ export class TilesView {
   approach(camera, height, pixels, seconds) {
     const share = shareOf(seconds);
     this.pixels = approached(this.pixels, pixels, share);
-    const radii = makeRadii(this.tileset, {pixels: this.pixels, height, fov: THREE.MathUtils.degToRad(camera.fov), aspect: camera.aspect});
-    setBands(this.bands, radii);
+    const radii = this.radiiFor({pixels: this.pixels, height, fov: THREE.MathUtils.degToRad(camera.fov), aspect: camera.aspect});
     const eye = this.frame.worldToLocal(camera.getWorldPosition(new THREE.Vector3()));
-    this.viewpoint.value.copy(eye);
-    const viewpoint = [eye.x, eye.y, eye.z].map(Math.fround);  // like the shader's
+    const viewpoint = eye.toArray().map(Math.fround);  // like the shader's
     const moves = this.residents.update(radii, viewpoint, share);
-    this.show(this.drawn, viewpoint, this.sight(camera));
+    this.show(this.drawn, this.sight(camera));
+    this.motion.update(this.drawn, radii, viewpoint, this.residents.limits);
     this.state = {viewpoint, radii, limits: this.residents.limits, share, bytes: this.residents.bytes, drawn: this.drawn};
     this.arrived = this.residents.progress;
     return moves || this.textures.coming > 0 || this.pixels !== pixels;
+  }
+
+  // Those of the last frame, as long as nothing has changed that they follow from.
+  radiiFor(view) {
+    const key = JSON.stringify(view);
+    if (this.radii?.key !== key) this.radii = {...makeRadii(this.tileset, view), key};
+    return this.radii;
   }
 
   // Tells if the camera may see a cell; morphing vertices leave its box by at most the way they may travel.
@@ -184,15 +193,9 @@ export class TilesView {
     };
   }
 
-  show(cells, viewpoint = null, seen = () => true) {
+  show(cells, seen = () => true) {
     for (const cell of this.shown) if (cell.object) cell.object.visible = false;
-    const lists = [], {limits} = this.residents;
-    for (const cell of cells) {
-      if (!cell.object) continue;
-      cell.object.visible = seen(cell);
-      if (viewpoint) lists.push([cell.object.userData.range, limitsNear(cell.bounds, boxDistance(viewpoint, cell.bounds), limits)]);
-    }
-    this.limitBoxes.fill(lists);
+    for (const cell of cells) if (cell.object) cell.object.visible = seen(cell);
     this.shown = cells;
   }
 }
