@@ -10,6 +10,7 @@
 #include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/model/find_signatures.h"
+#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {
@@ -26,7 +27,7 @@ class LodeSaver {
         plain_(plan_lode(source.tables(), counts_)),
         checksums_(counts_.size()),
         signatures_(source.tables().signatures) {
-    if (!signatures_) finder_.emplace(source.tables());
+    if (!signatures_) finder_.emplace(source.tables(), Signatures::most, runner_over(scheduler));
   }
 
   std::uint64_t save_plain() {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/runner.h"
 #include "core/hierarchy/model/signatures.h"
 
 namespace lodestone {
@@ -19,11 +20,11 @@ struct SharedVertex {
 
 // Takes a level at a time, from the root, so that the cells need not be in memory together. Vertices are told apart by
 // their positions: wedges of one position share a signature, as do vertices that happen to lie at the same place.
-// Memory: 16 bytes per shared vertex of one level, 32 more while the level ends.
+// Memory: 16 bytes per shared vertex of one level, 9 more while the level ends. Same table for any number of workers.
 class SignatureFinder {
  public:
   // The hierarchy, of which the tables are enough, outlives this. `most`: signatures of a cell, from 2 on.
-  explicit SignatureFinder(const Hierarchy& tables, std::size_t most = Signatures::most);
+  explicit SignatureFinder(const Hierarchy& tables, std::size_t most = Signatures::most, Runner runner = {});
 
   void begin_level();  // the next one
   // Takes the shared vertices of a cell of the level: their positions, and border_errors, or else the cell's error for
@@ -39,6 +40,7 @@ class SignatureFinder {
 
   const Hierarchy& tables_;
   std::size_t most_;
+  Runner runner_;
   std::vector<std::vector<SharedVertex>> shared_;  // by rank
   Signatures::Table table_;
 };
