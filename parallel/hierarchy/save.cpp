@@ -44,7 +44,7 @@ class LodeSaver {
             checksums_[c] = encode_payload(
                 cell, plain_.short_indices,
                 std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
-            if (finder_) finder_->add(c, cell);
+            find_signatures(c, cell);
           });
         file_.write_at(offset(chunk.first_cell), bytes);
       });
@@ -95,13 +95,22 @@ class LodeSaver {
     }
   }
 
+  void find_signatures(CellId id, const Cell& cell) {
+    if (!finder_) return;
+    if (source_.keeps_payloads()) {
+      finder_->add(id, cell);
+    } else {
+      finder_->add_copy(id, cell);
+    }
+  }
+
   void compress(LodeChunk chunk, std::vector<std::byte>& bytes, std::vector<std::uint64_t>& sizes) {
     bytes.clear();
     for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c) {
       const std::size_t before = bytes.size();
       source_.visit(c, [&](const Cell& cell) {
         checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
-        if (finder_) finder_->add(c, cell);
+        find_signatures(c, cell);
       });
       sizes[c] = bytes.size() - before;
     }

@@ -100,7 +100,7 @@ void limit(LevelSets& level, std::vector<std::vector<std::uint32_t>>& of_cell, s
 // The copies of a level's shared vertices, numbered by cell, in parts of the positions that lie near each other: so the
 // table of a part is small, and its sets are those of few other parts.
 struct Copies {
-  std::span<const std::vector<SharedVertex>> by_cell;
+  std::span<const BorderVertices> by_cell;
   std::vector<std::uint32_t> first;         // by rank, and the end
   std::vector<std::uint32_t> sorted;        // by part, ascending within one
   std::vector<std::uint32_t> first_sorted;  // by part, and the end
@@ -142,18 +142,18 @@ class PartFinder {
   std::vector<CellCode> begin_;  // first cells of the groups, but for the first one
 };
 
-Copies sort_copies(std::span<const std::vector<SharedVertex>> by_cell, const PartFinder& finder,
-                   const CellGroups& groups, const Runner& runner) {
+Copies sort_copies(std::span<const BorderVertices> by_cell, const PartFinder& finder, const CellGroups& groups,
+                   const Runner& runner) {
   Copies out{by_cell, {0}, {}, {}};
-  for (const std::vector<SharedVertex>& of_cell : by_cell)
-    out.first.push_back(out.first.back() + static_cast<std::uint32_t>(of_cell.size()));
+  for (const BorderVertices& of_cell : by_cell)
+    out.first.push_back(out.first.back() + static_cast<std::uint32_t>(of_cell.positions.size()));
   std::vector<CellGroups::Part> part(out.first.back());
   std::vector<std::vector<std::uint32_t>> next(groups.count());  // by group, by part: their number, then their place
   runner.run(groups.count(), [&](std::size_t group, std::size_t) {
     next[group].assign(groups.count(), 0);
     for (std::size_t rank = groups.begin(group); rank < groups.end(group); ++rank)
-      for (std::size_t k = 0; k < by_cell[rank].size(); ++k)
-        ++next[group][part[out.first[rank] + k] = finder.part_of(by_cell[rank][k].position)];
+      for (std::size_t k = 0; k < by_cell[rank].positions.size(); ++k)
+        ++next[group][part[out.first[rank] + k] = finder.part_of(by_cell[rank].positions[k])];
   });
   std::uint32_t sum = 0;
   for (std::size_t p = 0; p < groups.count(); ++p) {
@@ -214,7 +214,7 @@ PartSets find_sets(const Copies& copies, std::span<const std::uint32_t> part, co
   for (std::size_t i = 0; i < part.size(); ++i) {
     while (copies.first[rank + 1] <= part[i]) ++rank;
     cells[i] = level.id_of(CellRank(rank));
-    positions[i] = bits_of(copies.by_cell[rank][part[i] - copies.first[rank]].position);
+    positions[i] = bits_of(copies.by_cell[rank].positions[part[i] - copies.first[rank]]);
   }
   std::vector<std::uint32_t> number(part.size());
   KeyNumbers<Position, PositionHash> numbers;
@@ -265,14 +265,22 @@ SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most, Runn
   assert(most >= 2 && most <= Signatures::most);
 }
 
-void SignatureFinder::begin_level() { shared_.assign(level().cell_count, {}); }
+void SignatureFinder::begin_level() { shared_.resize(level().cell_count); }
 
 void SignatureFinder::add(CellId id, const Cell& cell) {
-  const std::span<const Vec3f> positions = cell.positions.subspan(cell.first_shared());
-  std::vector<SharedVertex>& shared = shared_[level().rank_of(id)];
-  shared.reserve(positions.size());
-  for (std::size_t k = 0; k < positions.size(); ++k)
-    shared.push_back({positions[k], cell.border_errors.empty() ? tables_.cells[id].error : cell.border_errors[k]});
+  BorderVertices& shared = shared_[level().rank_of(id)];
+  shared.positions = cell.positions.subspan(cell.first_shared());
+  shared.errors = cell.border_errors;
+  shared.cell_error = tables_.cells[id].error;
+}
+
+void SignatureFinder::add_copy(CellId id, const Cell& cell) {
+  add(id, cell);
+  BorderVertices& shared = shared_[level().rank_of(id)];
+  shared.own_positions.assign(shared.positions.begin(), shared.positions.end());
+  shared.own_errors.assign(shared.errors.begin(), shared.errors.end());
+  shared.positions = shared.own_positions;
+  shared.errors = shared.own_errors;
 }
 
 void SignatureFinder::end_level() {
@@ -321,12 +329,12 @@ void SignatureFinder::end_level() {
         if (set == alone) continue;
         table_.places[first_place + copy] =
             static_cast<std::uint8_t>(1 + (std::ranges::lower_bound(sets, set) - sets.begin()));
-        raise(table_.errors[first_error + set], shared_[rank][copy - copies.first[rank]].error);
+        raise(table_.errors[first_error + set], shared_[rank].error(copy - copies.first[rank]));
       }
     }
   });
   table_.sets.push_back(static_cast<std::uint32_t>(order.size()));
-  std::vector<std::vector<SharedVertex>>().swap(shared_);
+  std::vector<BorderVertices>().swap(shared_);
 }
 
 Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {
