@@ -10,6 +10,7 @@
 #include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/model/find_signatures.h"
+#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {
@@ -26,7 +27,7 @@ class LodeSaver {
         plain_(plan_lode(source.tables(), counts_)),
         checksums_(counts_.size()),
         signatures_(source.tables().signatures) {
-    if (!signatures_) finder_.emplace(source.tables());
+    if (!signatures_) finder_.emplace(source.tables(), Signatures::most, runner_over(scheduler));
   }
 
   std::uint64_t save_plain() {
@@ -43,7 +44,7 @@ class LodeSaver {
             checksums_[c] = encode_payload(
                 cell, plain_.short_indices,
                 std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
-            if (finder_) finder_->add(c, cell);
+            find_signatures(c, cell);
           });
         file_.write_at(offset(chunk.first_cell), bytes);
       });
@@ -94,13 +95,22 @@ class LodeSaver {
     }
   }
 
+  void find_signatures(CellId id, const Cell& cell) {
+    if (!finder_) return;
+    if (source_.keeps_payloads()) {
+      finder_->add(id, cell);
+    } else {
+      finder_->add_copy(id, cell);
+    }
+  }
+
   void compress(LodeChunk chunk, std::vector<std::byte>& bytes, std::vector<std::uint64_t>& sizes) {
     bytes.clear();
     for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c) {
       const std::size_t before = bytes.size();
       source_.visit(c, [&](const Cell& cell) {
         checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
-        if (finder_) finder_->add(c, cell);
+        find_signatures(c, cell);
       });
       sizes[c] = bytes.size() - before;
     }

@@ -27,6 +27,8 @@ class CellSource {
   // Calls visit(cell) with the payload, which lives as long as the call. From any thread.
   using Visit = std::function<void(const Cell&)>;
   virtual void visit(CellId id, const Visit& visit) { visit(hierarchy_.cells[id]); }
+  // True if the payload lives as long as the source.
+  [[nodiscard]] virtual bool keeps_payloads() const { return true; }
 
  private:
   const Hierarchy& hierarchy_;

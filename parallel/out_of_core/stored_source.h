@@ -33,6 +33,7 @@ class StoredSource final : public CellSource {
   [[nodiscard]] std::vector<PayloadCounts> counts() const override;
   void begin_level(std::size_t level) override;
   void visit(CellId id, const Visit& visit) override;
+  [[nodiscard]] bool keeps_payloads() const override { return false; }
 
  private:
   void reorder(CellBuild& build, CellRank rank, CellId parent);

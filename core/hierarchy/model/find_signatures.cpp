@@ -1,6 +1,7 @@
 #include "core/hierarchy/model/find_signatures.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <numeric>
@@ -96,84 +97,205 @@ void limit(LevelSets& level, std::vector<std::vector<std::uint32_t>>& of_cell, s
   }
 }
 
-// The users of every position of a level: `of[number]` cells from `first`, ascending.
-struct Uses {
-  std::vector<std::uint32_t> number;  // by copy of a shared vertex: of its position
-  std::vector<std::size_t> first;     // by number, and the end
-  std::vector<CellId> cells;
+// The copies of a level's shared vertices, numbered by cell, in parts of the positions that lie near each other: so the
+// table of a part is small, and its sets are those of few other parts.
+struct Copies {
+  std::span<const BorderVertices> by_cell;
+  std::vector<std::uint32_t> first;         // by rank, and the end
+  std::vector<std::uint32_t> sorted;        // by part, ascending within one
+  std::vector<std::uint32_t> first_sorted;  // by part, and the end
 
-  [[nodiscard]] std::span<const CellId> of(std::uint32_t n) const {
-    return std::span(cells).subspan(first[n], first[n + 1] - first[n]);
+  [[nodiscard]] std::size_t parts() const { return first_sorted.size() - 1; }
+  [[nodiscard]] std::span<const std::uint32_t> part(std::size_t p) const {
+    return std::span(sorted).subspan(first_sorted[p], first_sorted[p + 1] - first_sorted[p]);
   }
 };
 
-Uses uses_of(const Level& level, std::span<const std::vector<SharedVertex>> shared) {
-  Uses uses;
-  const std::size_t copies = std::transform_reduce(shared.begin(), shared.end(), std::size_t{0}, std::plus{},
-                                                   [](const auto& of_cell) { return of_cell.size(); });
-  uses.number.resize(copies);
-  KeyNumbers<Position, PositionHash> numbers;
-  numbers.clear(copies / 2);
-  std::vector<Position> keys;
-  auto number = uses.number.begin();
-  for (const std::vector<SharedVertex>& of_cell : shared) {
-    keys.clear();
-    for (const SharedVertex& v : of_cell) {
-      keys.push_back(bits_of(v.position));
-      numbers.prefetch(keys.back());
-    }
-    numbers.number(keys, std::to_address(number));
-    number += static_cast<std::ptrdiff_t>(keys.size());
+// Ranks of a level's cells, in as many groups as there are parts: their number depends on that of the cells alone.
+class CellGroups {
+ public:
+  explicit CellGroups(std::size_t cells)
+      : cells_(cells), of_group_(std::max(least, (cells + most_groups - 1) / most_groups)) {}
+  [[nodiscard]] std::size_t count() const { return (cells_ + of_group_ - 1) / of_group_; }
+  [[nodiscard]] std::size_t begin(std::size_t group) const { return group * of_group_; }
+  [[nodiscard]] std::size_t end(std::size_t group) const { return std::min(cells_, begin(group + 1)); }
+  using Part = std::uint8_t;
+
+ private:
+  static constexpr std::size_t least = 64, most_groups = 256;
+  std::size_t cells_, of_group_;
+};
+
+// The part of a position is the group of the cell that it lies in, or of the one before it.
+class PartFinder {
+ public:
+  PartFinder(std::span<const Cell> cells, const CellGroups& groups, int level) : level_(level) {
+    for (std::size_t g = 1; g < groups.count(); ++g) begin_.push_back(cells[groups.begin(g)].code);
   }
-  std::vector<std::uint32_t> last(numbers.size(), no_cell);
-  uses.first.assign(numbers.size() + 1, 0);
-  const auto for_uses = [&](const auto& visit) {  // of a position by a cell, once
-    std::ranges::fill(last, std::uint32_t{no_cell});
-    number = uses.number.begin();
-    for (std::size_t rank = 0; rank < shared.size(); ++rank)
-      for (std::size_t k = 0; k < shared[rank].size(); ++k, ++number)
-        if (std::exchange(last[*number], static_cast<std::uint32_t>(rank)) != rank)
-          visit(*number, level.id_of(CellRank(rank)));
+  [[nodiscard]] CellGroups::Part part_of(Vec3f position) const {
+    const auto after = std::ranges::upper_bound(begin_, CellCode::from(cell_of(position, level_)));
+    return static_cast<CellGroups::Part>(after - begin_.begin());
+  }
+
+ private:
+  int level_;
+  std::vector<CellCode> begin_;  // first cells of the groups, but for the first one
+};
+
+Copies sort_copies(std::span<const BorderVertices> by_cell, const PartFinder& finder, const CellGroups& groups,
+                   const Runner& runner) {
+  Copies out{by_cell, {0}, {}, {}};
+  for (const BorderVertices& of_cell : by_cell)
+    out.first.push_back(out.first.back() + static_cast<std::uint32_t>(of_cell.positions.size()));
+  std::vector<CellGroups::Part> part(out.first.back());
+  std::vector<std::vector<std::uint32_t>> next(groups.count());  // by group, by part: their number, then their place
+  runner.run(groups.count(), [&](std::size_t group, std::size_t) {
+    next[group].assign(groups.count(), 0);
+    for (std::size_t rank = groups.begin(group); rank < groups.end(group); ++rank)
+      for (std::size_t k = 0; k < by_cell[rank].positions.size(); ++k)
+        ++next[group][part[out.first[rank] + k] = finder.part_of(by_cell[rank].positions[k])];
+  });
+  std::uint32_t sum = 0;
+  for (std::size_t p = 0; p < groups.count(); ++p) {
+    out.first_sorted.push_back(sum);
+    for (std::vector<std::uint32_t>& of_group : next) sum += std::exchange(of_group[p], sum);
+  }
+  out.first_sorted.push_back(sum);
+  out.sorted.resize(sum);
+  runner.run(groups.count(), [&](std::size_t group, std::size_t) {
+    for (std::uint32_t copy = out.first[groups.begin(group)]; copy < out.first[groups.end(group)]; ++copy)
+      out.sorted[next[group][part[copy]]++] = copy;
+  });
+  return out;
+}
+
+// The cells of every position of a part: `of(number)`, ascending, each once.
+class Uses {
+ public:
+  // By copy: the number of its position, and its cell, which does not descend.
+  Uses(std::span<const std::uint32_t> number, std::span<const CellId> cell, std::size_t positions)
+      : first_(positions + 1, 0) {
+    std::vector<std::uint32_t> last(positions);
+    const auto for_uses = [&](const auto& visit) {  // of a position by a cell, once
+      std::ranges::fill(last, std::uint32_t{no_cell});
+      for (std::size_t i = 0; i < number.size(); ++i)
+        if (std::exchange(last[number[i]], std::uint32_t{cell[i]}) != cell[i]) visit(number[i], cell[i]);
+    };
+    for_uses([&](std::uint32_t n, CellId) { ++first_[n + 1]; });
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    cells_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for_uses([&](std::uint32_t n, CellId c) { cells_[next[n]++] = c; });
+  }
+  [[nodiscard]] std::span<const CellId> of(std::uint32_t n) const {
+    return std::span(cells_).subspan(first_[n], first_[n + 1] - first_[n]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;  // by number, and the end
+  std::vector<CellId> cells_;
+};
+
+constexpr std::uint32_t alone = ~std::uint32_t{0};  // instead of a set, where no other cell uses a position
+
+// The sets of a part, in the order of their first copies.
+struct PartSets {
+  LevelSets found;
+  std::vector<std::uint32_t> first_copy;    // by set
+  std::vector<std::uint32_t> level_number;  // by set: among those of the level
+};
+
+// Writes the set of every copy of the part, as a number within it, to set_of.
+PartSets find_sets(const Copies& copies, std::span<const std::uint32_t> part, const Level& level,
+                   std::span<std::uint32_t> set_of) {
+  std::vector<Position> positions(part.size());
+  std::vector<CellId> cells(part.size());
+  std::size_t rank = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    while (copies.first[rank + 1] <= part[i]) ++rank;
+    cells[i] = level.id_of(CellRank(rank));
+    positions[i] = bits_of(copies.by_cell[rank].positions[part[i] - copies.first[rank]]);
+  }
+  std::vector<std::uint32_t> number(part.size());
+  KeyNumbers<Position, PositionHash> numbers;
+  numbers.clear(part.size() / 2);
+  numbers.number(positions, number.data());
+  const Uses uses(number, cells, numbers.size());
+  PartSets out;
+  std::vector<std::uint32_t> set_of_position;  // of those seen so far
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    if (number[i] == set_of_position.size()) {
+      const std::span<const CellId> users = uses.of(number[i]);
+      const std::uint32_t set = users.size() > 1 ? out.found.number(users) : alone;
+      if (set == out.first_copy.size()) out.first_copy.push_back(part[i]);
+      set_of_position.push_back(set);
+    }
+    set_of[part[i]] = set_of_position[number[i]];
+  }
+  return out;
+}
+
+// The sets of all parts, numbered by their first copies, whatever the parts are.
+LevelSets join(std::vector<PartSets>& parts) {
+  struct First {
+    std::uint32_t copy, part, set;
   };
-  for_uses([&](std::uint32_t n, CellId) { ++uses.first[n + 1]; });
-  std::partial_sum(uses.first.begin(), uses.first.end(), uses.first.begin());
-  uses.cells.resize(uses.first.back());
-  std::vector<std::size_t> next(uses.first.begin(), uses.first.end() - 1);
-  for_uses([&](std::uint32_t n, CellId cell) { uses.cells[next[n]++] = cell; });
-  return uses;
+  std::vector<First> order;
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    for (std::uint32_t s = 0; s < parts[p].first_copy.size(); ++s) order.push_back({parts[p].first_copy[s], p, s});
+    parts[p].level_number.resize(parts[p].first_copy.size());
+  }
+  std::ranges::sort(order, {}, &First::copy);
+  LevelSets out;
+  for (const First& f : order) parts[f.part].level_number[f.set] = out.number(parts[f.part].found.sets[f.set]);
+  return out;
+}
+
+// Extends a maximum to which several workers contribute.
+void raise(float& greatest, float value) {
+  const std::atomic_ref at(greatest);
+  for (float old = at.load(std::memory_order_relaxed); old < value;)
+    if (at.compare_exchange_weak(old, value, std::memory_order_relaxed)) return;
 }
 
 }  // namespace
 
-SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most) : tables_(tables), most_(most) {
+SignatureFinder::SignatureFinder(const Hierarchy& tables, std::size_t most, Runner runner)
+    : tables_(tables), most_(most), runner_(std::move(runner)) {
   assert(most >= 2 && most <= Signatures::most);
 }
 
-void SignatureFinder::begin_level() { shared_.assign(level().cell_count, {}); }
+void SignatureFinder::begin_level() { shared_.resize(level().cell_count); }
 
 void SignatureFinder::add(CellId id, const Cell& cell) {
-  const std::span<const Vec3f> positions = cell.positions.subspan(cell.first_shared());
-  std::vector<SharedVertex>& shared = shared_[level().rank_of(id)];
-  shared.reserve(positions.size());
-  for (std::size_t k = 0; k < positions.size(); ++k)
-    shared.push_back({positions[k], cell.border_errors.empty() ? tables_.cells[id].error : cell.border_errors[k]});
+  BorderVertices& shared = shared_[level().rank_of(id)];
+  shared.positions = cell.positions.subspan(cell.first_shared());
+  shared.errors = cell.border_errors;
+  shared.cell_error = tables_.cells[id].error;
+}
+
+void SignatureFinder::add_copy(CellId id, const Cell& cell) {
+  add(id, cell);
+  BorderVertices& shared = shared_[level().rank_of(id)];
+  shared.own_positions.assign(shared.positions.begin(), shared.positions.end());
+  shared.own_errors.assign(shared.errors.begin(), shared.errors.end());
+  shared.positions = shared.own_positions;
+  shared.errors = shared.own_errors;
 }
 
 void SignatureFinder::end_level() {
   const Level& level = this->level();
-  const Uses uses = uses_of(level, shared_);
-  LevelSets found;
+  const CellGroups groups(level.cell_count);
+  const int number = static_cast<int>(table_.sets.size());
+  const Copies copies = sort_copies(shared_, PartFinder(tables_.cells_of(number), groups, number), groups, runner_);
+  std::vector<std::uint32_t> set_of(copies.sorted.size());  // by copy
+  std::vector<PartSets> parts(copies.parts());
+  runner_.run(parts.size(),
+              [&](std::size_t p, std::size_t) { parts[p] = find_sets(copies, copies.part(p), level, set_of); });
+  LevelSets found = join(parts);
   std::vector<std::vector<std::uint32_t>> of_cell(level.cell_count);  // its sets of two cells and more
-  constexpr std::uint32_t alone = ~std::uint32_t{0};
-  std::vector<std::uint32_t> set_of(uses.first.size() - 1, alone);  // by number of a position
-  for (std::uint32_t n = 0; n < set_of.size(); ++n) {
-    const std::span<const CellId> cells = uses.of(n);
-    if (cells.size() == 1) continue;
-    set_of[n] = found.number(cells);
-    for (const CellId cell : cells)
-      if (auto& sets = of_cell[level.rank_of(cell)]; sets.empty() || sets.back() != set_of[n])
-        sets.push_back(set_of[n]);
-  }
+  for (std::uint32_t set = 0; set < found.sets.size(); ++set)
+    for (const CellId cell : found.sets[set]) of_cell[level.rank_of(cell)].push_back(set);
   limit(found, of_cell, most_);
 
   // Numbered in lexicographic order.
@@ -189,26 +311,30 @@ void SignatureFinder::end_level() {
     table_.sizes.push_back(static_cast<std::uint32_t>(cells.size()));
     table_.cells.insert(table_.cells.end(), cells.begin(), cells.end());
   }
-  const std::size_t first_error = table_.errors.size();
+  runner_.run(parts.size(), [&](std::size_t p, std::size_t) {
+    for (const std::uint32_t copy : copies.part(p))
+      if (set_of[copy] != alone) set_of[copy] = rank_of[found.final_of(parts[p].level_number[set_of[copy]])];
+  });
+
+  const std::size_t first_error = table_.errors.size(), first_place = table_.places.size();
   table_.errors.resize(table_.sizes.size(), 0);
-  auto number = uses.number.begin();
-  for (std::size_t rank = 0; rank < shared_.size(); ++rank) {
-    std::vector<std::uint32_t>& sets = of_cell[rank];
-    for (std::uint32_t& set : sets) set = rank_of[set];
-    std::ranges::sort(sets);
-    for (std::size_t k = 0; k < shared_[rank].size(); ++k) {
-      const std::uint32_t set = set_of[*number++];
-      if (set == alone) {
-        table_.places.push_back(0);
-        continue;
+  table_.places.resize(first_place + set_of.size(), 0);
+  runner_.run(groups.count(), [&](std::size_t group, std::size_t) {
+    for (std::size_t rank = groups.begin(group); rank < groups.end(group); ++rank) {
+      std::vector<std::uint32_t>& sets = of_cell[rank];
+      for (std::uint32_t& set : sets) set = rank_of[set];
+      std::ranges::sort(sets);
+      for (std::uint32_t copy = copies.first[rank]; copy < copies.first[rank + 1]; ++copy) {
+        const std::uint32_t set = set_of[copy];
+        if (set == alone) continue;
+        table_.places[first_place + copy] =
+            static_cast<std::uint8_t>(1 + (std::ranges::lower_bound(sets, set) - sets.begin()));
+        raise(table_.errors[first_error + set], shared_[rank].error(copy - copies.first[rank]));
       }
-      const std::uint32_t final = rank_of[found.final_of(set)];
-      table_.places.push_back(static_cast<std::uint8_t>(1 + (std::ranges::lower_bound(sets, final) - sets.begin())));
-      table_.errors[first_error + final] = std::max(table_.errors[first_error + final], shared_[rank][k].error);
     }
-  }
+  });
   table_.sets.push_back(static_cast<std::uint32_t>(order.size()));
-  shared_.clear();
+  std::vector<BorderVertices>().swap(shared_);
 }
 
 Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {

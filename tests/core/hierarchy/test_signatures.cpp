@@ -89,6 +89,26 @@ TEST(Signatures, AreUnitedWhereACellHasTooMany) {
   }
 }
 
+// Levels of many cells are worked on in parts; what is united depends on the order of the sets.
+TEST(Signatures, AreTheSameInWhateverOrderPartsAreFound) {
+  const test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(64, 32), 4, 0.6f);
+  const Hierarchy& h = small.hierarchy;
+  ASSERT_GT(h.levels.back().cell_count, 3 * 64u) << "several parts";
+  Runner backwards;
+  backwards.run = [](std::size_t count, const Runner::Body& body) {
+    while (count > 0) body(--count, 0);
+  };
+  for (const std::size_t most : {std::size_t{3}, Signatures::most}) {
+    SignatureFinder finder(h, most, backwards);
+    for (const Level& level : h.levels) {
+      finder.begin_level();
+      for (CellId c = level.first_cell; c < level.end_cell(); ++c) finder.add(c, h.cells[c]);
+      finder.end_level();
+    }
+    EXPECT_EQ(std::move(finder).finish().table(), find_signatures(h, most).table()) << most;
+  }
+}
+
 // Those of all vertices that a signature stands for, in all cells; that of the cell where nothing finer is known.
 TEST(Signatures, HaveTheErrorsAroundTheirVertices) {
   test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(64, 32), 4, 0.6f);
