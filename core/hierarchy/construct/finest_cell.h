@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/hierarchy/construct/cell_build.h"
+#include "core/hierarchy/construct/compact_order.h"
 #include "core/math/lanes/float4.h"
 
 namespace lodestone {
@@ -25,15 +26,16 @@ struct FinestVertices {
 
 // Working memory of make_finest_cell, reused between calls.
 struct FinestCellScratch {
-  std::vector<std::uint32_t> renumbered;  // by order of appearance
-  std::vector<std::uint32_t> shared;      // the shared ones, in order of appearance
-  std::vector<std::uint32_t> ids;
-  std::vector<Float4> positions, normals;
+  std::vector<std::uint32_t> place, ids;  // by order of appearance: final ids, and the input vertices
+  std::vector<Float4> gathered;           // positions, likewise
+  std::vector<Float4> normals;            // by final id
+  std::vector<Triangle> triangles;        // sorted, with ids by order of appearance
+  CompactOrderScratch boxes;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex;  // wedges: vertex, local id
 };
 
-// The cell has `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices of these. Moves
-// the vertices of this cell alone before the shared ones, and fills positions, shared ids, bounds, normals of the
+// The cell has `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices of these. Sorts
+// the triangles compactly, numbers the vertices by first use, those of this cell alone before the shared ones, and fills positions, shared ids, bounds, normals of the
 // cell's own vertices and measure_cell's statistics. Usage and normals of the shared vertices need the other cells,
 // parents the block.
 //
@@ -41,8 +43,8 @@ struct FinestCellScratch {
 //
 // Returns the contributions of this cell's triangles to the normals of the shared vertices, in the order of shared_ids:
 // sums of cross products, so weighted by area. Valid until the next call.
-[[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, int level, float sigma0,
-                                                       CellBuild& cell, FinestCellScratch& scratch);
+[[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int level,
+                                                       float sigma0, CellBuild& cell, FinestCellScratch& scratch);
 
 // Fills the attributes of the cell's wedges, replaces normals by those of the input, and groups triangles by material.
 // Called when the normals of shared vertices are known.
