@@ -50,13 +50,14 @@ void sort_compactly(std::span<const Triangle> triangles, std::span<const Float4>
                     std::span<Triangle> sorted, CompactOrderScratch& scratch) {
   scratch.resize(triangles.size());
   const CellCoord cell = code.coord();
-  const Int4 first = Int4{cell.x, cell.y, cell.z, 0} << bits, none{}, last = none + (side - 1);
+  const Float4 first = to_float4(Vec3f{1.0f * side * cell.x, 1.0f * side * cell.y, 1.0f * side * cell.z}),
+               last = all4(side - 1);
   const Float4 per_box = all4(1.0f / 3.0f * static_cast<float>(1u << (level + bits)));
   std::array<std::uint32_t, boxes> next{};  // by place: first how many triangles, then where the next one goes
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& v = triangles[t].v;
     const Float4 sum = (positions[v[0]] + positions[v[1]]) + positions[v[2]];
-    const Int4 box = min(max(__builtin_convertvector(sum * per_box, Int4) - first, none), last);
+    const Int4 box = __builtin_convertvector(min(max(sum * per_box - first, Float4{}), last), Int4);
     ++next[scratch[t] = places[index_of(box[0], box[1], box[2])]];
   }
   std::uint32_t end = 0;

@@ -1,7 +1,6 @@
 #include "core/hierarchy/construct/finest_cell.h"
 
 #include <algorithm>
-#include <array>
 
 #include "core/base/prefetch.h"
 #include "core/hierarchy/model/pack_normals.h"
@@ -9,68 +8,67 @@
 namespace lodestone {
 namespace {
 
-// FinestCellScratch::place of a vertex that no triangle has used yet: of this cell alone, or plus 1 of several cells.
-constexpr std::uint32_t new_own = 0xffff'fffeu;
-
-// Looks the vertices up, in the order of cell.ids. Returns the number of those of this cell alone.
-std::size_t gather_vertices(const FinestVertices& all, CellBuild& cell, FinestCellScratch& s) {
+// Stable partition of the vertices: those of this cell alone first, shared ones last. Returns the number of the former.
+std::size_t move_shared_last(const FinestVertices& all, CellBuild& cell, FinestCellScratch& s) {
   const std::size_t count = cell.ids.size();
-  s.place.resize(count);
-  s.gathered.resize(count);
-  std::size_t shared = 0;
-  Float4 lo = to_float4(cell.bounds.lo), hi = to_float4(cell.bounds.hi);
-  for (std::size_t i = 0; i < count; ++i) {
+  s.renumbered.resize(count);
+  s.ids.resize(count);
+  s.shared.resize(count);
+  std::uint32_t own = 0, shared = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t ahead = cell.ids[std::min(i + prefetch_distance, count - 1)];
     prefetch(&all.sharing[ahead]);
     prefetch(&all.positions[ahead]);
     const std::uint32_t is_shared = all.sharing[cell.ids[i]] >> 31;
-    s.place[i] = new_own + is_shared;
+    s.renumbered[i] = own;
+    s.ids[own] = cell.ids[i];
+    s.shared[shared] = i;
+    own += 1 - is_shared;
     shared += is_shared;
-    s.gathered[i] = to_float4(all.positions[cell.ids[i]]);
-    lo = min(s.gathered[i], lo);
-    hi = max(s.gathered[i], hi);
   }
-  cell.bounds = {to_vec3f(lo), to_vec3f(hi)};
-  return count - shared;
-}
-
-// One pass over the sorted triangles: numbers vertices by first use, those of this cell alone first, sums normals and
-// measures edges.
-EdgeLengths visit_triangles(float limit, std::size_t first_shared, CellBuild& cell, FinestCellScratch& s) {
-  s.normals.assign(s.gathered.size(), Float4{});
-  std::uint32_t* const place = s.place.data();
-  const Float4* const positions = s.gathered.data();
-  Float4* const normals = s.normals.data();
-  std::array<std::uint32_t, 2> next{0, static_cast<std::uint32_t>(first_shared)};
-  EdgeLengths lengths(limit);
-  const auto place_of = [&](std::uint32_t v) {
-    if (place[v] >= new_own) place[v] = next[place[v] - new_own]++;
-    return place[v];
-  };
-  for (std::size_t i = 0; i < s.triangles.size(); ++i) {
-    const auto& v = s.triangles[i].v;
-    const std::uint32_t a = place_of(v[0]), b = place_of(v[1]), c = place_of(v[2]);
-    cell.triangles[i] = {{a, b, c}};
-    const Float4 ab = positions[v[1]] - positions[v[0]], ac = positions[v[2]] - positions[v[0]];
-    const Float4 normal = cross_zxy(ab, ac);
-    normals[a] += normal;
-    normals[b] += normal;
-    normals[c] += normal;
-    lengths.add(ab, positions[v[2]] - positions[v[1]], ac);
+  for (std::uint32_t k = 0; k < shared; ++k) {
+    s.renumbered[s.shared[k]] = own + k;
+    s.ids[own + k] = cell.ids[s.shared[k]];
   }
-  for (Float4& n : s.normals) n = yzx(n);
-  return lengths;
+  std::copy(s.ids.begin(), s.ids.end(), cell.ids.begin());
+  return own;
 }
 
 void place_vertices(const FinestVertices& all, std::size_t first_shared, CellBuild& cell, FinestCellScratch& s) {
   const std::size_t count = cell.ids.size();
   cell.slab.allocate(count, count - first_shared, 0, all.attributes);
-  s.ids.assign(cell.ids.begin(), cell.ids.end());
+  s.positions.resize(count);
+  Float4 lo = to_float4(cell.bounds.lo), hi = to_float4(cell.bounds.hi);
   for (std::size_t i = 0; i < count; ++i) {
-    cell.slab.positions[s.place[i]] = to_vec3f(s.gathered[i]);
-    cell.ids[s.place[i]] = s.ids[i];
+    const Vec3f p = all.positions[cell.ids[i]];
+    cell.slab.positions[i] = p;
+    s.positions[i] = to_float4(p);
+    lo = min(s.positions[i], lo);
+    hi = max(s.positions[i], hi);
   }
+  cell.bounds = {to_vec3f(lo), to_vec3f(hi)};
   std::copy(cell.ids.begin() + static_cast<std::ptrdiff_t>(first_shared), cell.ids.end(), cell.slab.shared_ids.begin());
+}
+
+// One pass over the triangles: sets their final ids, sums normals and measures edges.
+EdgeLengths visit_triangles(float limit, CellBuild& cell, FinestCellScratch& s) {
+  s.normals.assign(s.positions.size(), Float4{});
+  const std::uint32_t* const renumbered = s.renumbered.data();
+  const Float4* const positions = s.positions.data();
+  Float4* const normals = s.normals.data();
+  EdgeLengths lengths(limit);
+  for (Triangle& t : cell.triangles) {
+    const std::uint32_t a = renumbered[t.v[0]], b = renumbered[t.v[1]], c = renumbered[t.v[2]];
+    t = {{a, b, c}};
+    const Float4 ab = positions[b] - positions[a], ac = positions[c] - positions[a];
+    const Float4 normal = cross_zxy(ab, ac);
+    normals[a] += normal;
+    normals[b] += normal;
+    normals[c] += normal;
+    lengths.add(ab, positions[c] - positions[b], ac);
+  }
+  for (Float4& n : s.normals) n = yzx(n);
+  return lengths;
 }
 
 // The normal of a vertex is the sum over all its wedges.
@@ -93,11 +91,11 @@ void join_normals(const FinestVertices& all, std::size_t first_shared, CellBuild
 
 std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int level, float sigma0,
                                          CellBuild& cell, FinestCellScratch& s) {
-  const std::size_t first_shared = gather_vertices(all, cell, s);
-  s.triangles.resize(cell.triangles.size());
-  sort_compactly(cell.triangles, s.gathered, code, level, s.triangles, s.boxes);
-  const EdgeLengths lengths = visit_triangles(sigma0 * cell_size(level), first_shared, cell, s);
+  const std::size_t first_shared = move_shared_last(all, cell, s);
   place_vertices(all, first_shared, cell, s);
+  const EdgeLengths lengths = visit_triangles(sigma0 * cell_size(level), cell, s);
+  s.triangles.assign(cell.triangles.begin(), cell.triangles.end());
+  sort_compactly(s.triangles, s.positions, code, level, cell.triangles, s.boxes);
   if (all.attributes.wedges) join_normals(all, first_shared, cell, s);
   pack_normals(std::span(s.normals).first(first_shared), cell.slab.normals);
   set_edge_statistics(cell, level, lengths);

@@ -26,18 +26,19 @@ struct FinestVertices {
 
 // Working memory of make_finest_cell, reused between calls.
 struct FinestCellScratch {
-  std::vector<std::uint32_t> place, ids;  // by order of appearance: final ids, and the input vertices
-  std::vector<Float4> gathered;           // positions, likewise
-  std::vector<Float4> normals;            // by final id
-  std::vector<Triangle> triangles;        // sorted, with ids by order of appearance
+  std::vector<std::uint32_t> renumbered;  // by order of appearance
+  std::vector<std::uint32_t> shared;      // the shared ones, in order of appearance
+  std::vector<std::uint32_t> ids;
+  std::vector<Float4> positions, normals;
+  std::vector<Triangle> triangles;  // before they are sorted
   CompactOrderScratch boxes;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex;  // wedges: vertex, local id
 };
 
-// The cell has `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices of these. Sorts
-// the triangles compactly, numbers the vertices by first use, those of this cell alone before the shared ones, and fills positions, shared ids, bounds, normals of the
-// cell's own vertices and measure_cell's statistics. Usage and normals of the shared vertices need the other cells,
-// parents the block.
+// The cell has `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices of these. Moves
+// the vertices of this cell alone before the shared ones, sorts the triangles compactly, and fills positions, shared
+// ids, bounds, normals of the cell's own vertices and measure_cell's statistics. Usage and normals of the shared
+// vertices need the other cells, parents the block.
 //
 // With wedges it also fills vertex_ids; give_attributes fills the attributes.
 //
