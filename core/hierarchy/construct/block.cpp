@@ -245,10 +245,9 @@ class BlockBuilder {
       vertex += child.vertex_count();
     });
     parent.slab.allocate(members.size(), shared, kept, attributes_);
+    std::copy_n(s_.kept.begin(), kept, parent.slab.triangles.begin());
     parent.triangles = parent.slab.triangles;
     fill_vertices(result, members, parent);
-    sort_compactly(std::span(s_.kept).first(kept), s_.local_positions, parent_level_.codes[rank], block_.level - 1,
-                   parent.triangles, s_.boxes);
     fill_border_errors(parent);
     if (attributes_.wedges) fill_attributes(members, parent);
     for_each_child(rank, [&](CellBuild& child) {
@@ -356,12 +355,10 @@ class BlockBuilder {
   void fill_vertices(const SimplifyResult& result, std::span<const std::uint32_t> members, CellBuild& parent) {
     parent.ids.resize(members.size());
     parent.usage.resize(parent.slab.shared_ids.size());
-    s_.local_positions.resize(members.size());
     const std::size_t first_shared = parent.first_shared();
     for (const std::uint32_t p : members) {
       const std::uint32_t i = s_.local[p];
       parent.slab.positions[i] = result.positions[p];
-      s_.local_positions[i] = to_float4(result.positions[p]);
       parent.slab.normals[i] = s_.normals[p];
       parent.ids[i] = s_.ids[p];
       parent.bounds.extend(result.positions[p]);

@@ -10,7 +10,6 @@
 #include "core/hierarchy/construct/block_wedges.h"
 #include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/construct/cell_table.h"
-#include "core/hierarchy/construct/compact_order.h"
 #include "core/hierarchy/construct/star_distance.h"
 #include "core/simplify/contract/simplifier.h"
 
@@ -44,8 +43,6 @@ struct BlockScratch {
   std::vector<std::uint32_t> local;     // of a survivor in the parent being made
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
   std::vector<Triangle> kept;           // of the parent being made; may be longer
-  std::vector<Float4> local_positions;  // of its vertices
-  CompactOrderScratch boxes;
   BlockNormals coarse_normals;
   std::vector<Float4> normal_sums;            // of the triangles at each vertex of the parent being made
   std::vector<std::uint32_t> shared_members;  // survivors that the parent being made shares, by local id
