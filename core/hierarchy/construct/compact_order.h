@@ -2,7 +2,8 @@
 // a small box and is culled on its own (render/culling/runs.h).
 //
 // Barycentres are sorted by the 8^3 boxes of the cell that they lie in, along a Hilbert curve through the boxes
-// (skilling2004): steps of Morton order would lead across the cell.
+// (skilling2004): Morton order would step across the cell. Cells of the finest level are sorted; coarser ones inherit
+// the order, since their triangles are images of their children's, child by child.
 #pragma once
 
 #include <cstdint>
