@@ -29,7 +29,7 @@ TEST(CompactOrder, TheCurveVisitsEveryBoxAndStepsFromSideToSide) {
   }
 }
 
-// Of triangles in the cell and beyond it, some of them equal.
+// The cell has triangles that stick out of it, and some that are equal.
 TEST(CompactOrder, SortsAsAStableSortByPlaceDoes) {
   constexpr int level = 3;
   const CellCoord cell{2, 0, 7};
