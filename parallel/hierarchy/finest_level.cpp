@@ -17,7 +17,7 @@ std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sig
     FinestCellScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     for (std::size_t c = range.begin; c < range.end; ++c)
       shared.add(partition.cells[c], partition.codes[c],
-                 make_finest_cell(partition.vertices, level, sigma0, partition.cells[c], s));
+                 make_finest_cell(partition.vertices, partition.codes[c], level, sigma0, partition.cells[c], s));
   });
   std::vector<Vec3f>().swap(partition.vertices.positions);
   shared.finish(scheduler);

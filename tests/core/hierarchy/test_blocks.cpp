@@ -102,7 +102,7 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
     numbers.clear();
     for (Triangle& t : cell.triangles) numbers.number(t.v, t.v.data());
     cell.ids.assign(numbers.keys().begin(), numbers.keys().end());
-    (void)make_finest_cell(vertices, finest, 1, cell, scratch);
+    (void)make_finest_cell(vertices, codes[c], finest, 1, cell, scratch);
     for (const std::uint32_t v : cell.slab.shared_ids) {
       UsageBox box;
       for (const CellCode user : cells_of.at(v)) box.extend(user.coord());
