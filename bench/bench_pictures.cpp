@@ -33,8 +33,7 @@ struct Subject {
     const auto renderer = make_renderer("soft", *all);
     Scene scene = scene_of("sphere");
     SceneView view(scene, {{&hierarchy}});
-    view.upload(*renderer);
-    SystemPictures pictures(view, *renderer);
+    SystemPictures pictures(view, *renderer, *all);
     const std::vector<Camera> path = orbit_path(view.bounding_sphere(), 200, {view.up(), 1});
     for (int i = 0; i < 2; ++i) {
       drawn[i] = pictures.draw("discrete", path[static_cast<std::size_t>(i)], view_config(scene, size));

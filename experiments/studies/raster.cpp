@@ -70,14 +70,15 @@ class FrameAccuracy {
  public:
   explicit FrameAccuracy(const EffectRequest& effects) : surface_(effects) {}
 
-  void measure(ModelDrawer& drawn, ModelDrawer& full, const Shot& shot, ImageSize size, const ScreenErrorBasis& basis,
+  void measure(ModelDrawer& drawn, ModelDrawer& full, const Shot& shot, ImageSize size, const MeasuredSurface& finest,
                Scheduler& scheduler) {
     drawn.draw(shot.camera);
     const ModelFrame frame = surface_.of(drawn.view().frame().only());
     Selection whole;
     select_cells(*frame.morph.hierarchy, *frame.morph.radii, frame.morph.viewpoint, {}, whole);
+    const MeasuredSurface surface(drawn_mesh(frame.morph, whole));
     screen_ =
-        std::max(screen_, screen_error(frame.morph, whole, frame.view_projection, size, basis, scheduler).largest());
+        std::max(screen_, screen_error(surface, finest, Screen(frame.view_projection, size), scheduler).largest());
     full.draw(shot.camera);
     const Image picture = drawn.renderer().read_back();
     if (picture.rgba.empty()) return;
@@ -105,11 +106,11 @@ void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hi
   const std::size_t measured = std::min(shots.size(), study.parameters.json().at("measured_frames").get<std::size_t>());
   if (measured == 0) return;
   ModelDrawer full(hierarchy, at_full_detail(view), backend, *study.scheduler);
-  const ScreenErrorBasis basis(hierarchy);
+  const MeasuredSurface finest(finest_mesh(hierarchy));
   FrameAccuracy accuracy(view.effects);
   for (std::size_t i = 0; i < measured; ++i) {
     check_cancelled(study.context);
-    accuracy.measure(drawn, full, shots[i * shots.size() / measured], view.size, basis, *study.scheduler);
+    accuracy.measure(drawn, full, shots[i * shots.size() / measured], view.size, finest, *study.scheduler);
   }
   accuracy.add_to(row);
   if (backend != "null") write_png(study.context.directory + "/last.png", drawn.renderer().read_back());

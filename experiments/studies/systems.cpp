@@ -54,11 +54,17 @@ std::vector<ColumnInfo> columns() {
       {"admissible", "", "the system promises neither cracks nor pops with these radii", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"pictures", "", "drawn for a frame, mean", cost},
+      {"make_cpu_seconds", "s", "processor time to make what the system draws from, from the mesh, or the finest level",
+       cost},
+      {"screen_error", "pixels", "largest distance on the screen between the drawn and the full surface", accuracy},
+      {"shift_pixels", "pixels",
+       "largest distance on the screen between the surface and that of the frame before, by one camera", accuracy},
   };
   append(list, frame_columns("a frame, from camera to picture, reading it back for a blend included"));
   for (ColumnInfo& column : SurfaceSummary::columns()) {
     for (const std::string& system : system_names())
-      if (column.name.starts_with("jump_") && !lod_system(system).moves_vertices)
+      if ((column.name.starts_with("jump_") && !lod_system(system).moves_vertices) ||
+          (column.name.starts_with("gap_") && lod_system(system).patches))
         column.needs.push_back({{{"system", system, false}}});
     list.push_back(std::move(column));
   }
@@ -91,10 +97,13 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
   SurfaceSummary cracks_and_pops;
   PictureSummary seen;
   WorstPicture worst;
+  double screen_error = 0, shift = 0;
   (void)fly_systems(
       scene, renderer, config, *study.scheduler,
       [&](const SystemRow& frame, const SystemPicture& drawn, const Image& full) {
         cracks_and_pops.add(*frame.surface);
+        screen_error = std::max(screen_error, frame.screen_error.value_or(0));
+        shift = std::max(shift, frame.shift_pixels.value_or(0));
         PictureSample sample{frame.quality, {}, {}};
         if (frame.frame > 0) sample.pops = frame.pops, sample.flip_pops = frame.flip_pops;
         seen.add(std::move(sample));
@@ -102,6 +111,9 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
         study.context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
       });
   cracks_and_pops.add_to(row);
+  if (lod_system(config.systems.front()).patches)
+    for (const std::string gap : {"gap_max", "gap_mean", "gap_pixels", "gap_mean_pixels"}) row[gap] = nullptr;
+  row["screen_error"] = screen_error, row["shift_pixels"] = shift;
   seen.add_to(row);
   worst.write(study.context.directory, *study.scheduler);
 }
@@ -114,6 +126,7 @@ SystemFlightConfig flight_config(const Parameters& parameters, const Hierarchy& 
   config.view.effects.listed.insert(Effect::geomorph);
   config.systems = {parameters.text("system")};
   config.system.fade_width = parameters.number("fade_width");
+  config.screen = true;
   config.cancel = context.cancel;
   config.cameras = path_cameras(hierarchy, parameters);
   return config;
@@ -121,13 +134,16 @@ SystemFlightConfig flight_config(const Parameters& parameters, const Hierarchy& 
 
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const Study study(parameters, context);
+  const CpuClock clock;
   const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
+  double made = clock.elapsed().cpu_seconds;
   const SystemFlightConfig config = flight_config(parameters, hierarchy, context);
   SceneView scene(scene_of("input"), {{&hierarchy}});
   const auto renderer = make_renderer(parameters.text("backend"), *study.scheduler);
-  scene.upload(*renderer);
   Row row;
-  SystemPictures pictures(scene, *renderer, config.system);
+  SystemPictures pictures(scene, *renderer, *study.scheduler, config.system);
+  if (lod_system(config.systems.front()).patches) made = pictures.prepare(config.systems.front()).cpu_seconds;
+  row["make_cpu_seconds"] = made;
   add_times(row, pictures, config, study);
   row["admissible"] = lod_system(config.systems.front()).keeps_promise && scene.admissible();
   if (context.repetition == 0) add_accuracy(row, scene, *renderer, config, study);

@@ -16,12 +16,13 @@ namespace {
 
 // Distance of the surface in the frame, drawn or culled, from the full one.
 double measured_screen_error(const ModelFrame& model, ImageSize size, const Hierarchy& whole,
-                             const ScreenErrorBasis& basis, Scheduler& scheduler) {
+                             const MeasuredSurface& full, Scheduler& scheduler) {
   MorphContext morph = model.morph;
   morph.hierarchy = &whole;
   Selection all;
   select_cells(whole, *morph.radii, morph.viewpoint, {.limits = morph.limits}, all);
-  return screen_error(morph, all, model.view_projection, size, basis, scheduler).largest();
+  return screen_error(MeasuredSurface(drawn_mesh(morph, all)), full, Screen(model.view_projection, size), scheduler)
+      .largest();
 }
 
 class RenderRun {
@@ -31,7 +32,7 @@ class RenderRun {
     scene.upload(renderer);
     for (std::size_t m = 0; m < scene.model_count(); ++m) {
       if (job.measure) proofs_.push_back(std::make_unique<FrameProof>(whole(m), scheduler));
-      if (job.measure_screen) screens_.emplace_back(whole(m));
+      if (job.measure_screen) screens_.emplace_back(finest_mesh(whole(m)));
     }
   }
 
@@ -89,7 +90,7 @@ class RenderRun {
   Renderer& renderer_;
   Scheduler& scheduler_;
   std::vector<std::unique_ptr<FrameProof>> proofs_;
-  std::vector<ScreenErrorBasis> screens_;
+  std::vector<MeasuredSurface> screens_;
 };
 
 // The path as one round.

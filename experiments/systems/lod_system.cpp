@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/registry.h"
 #include "core/hierarchy/model/distance_metric.h"
+#include "experiments/systems/cluster_dag_system.h"
 
 namespace lodestone {
 namespace {
@@ -28,6 +29,13 @@ Registry<LodSystem>& systems() {
                          return Parts{{q.radii, q.blend}};
                        },
                        true});
+    ours.add("adaptive", {.description = "the same, each cell by its own error",
+                          .parts =
+                              [](const SystemQuery& q) {
+                                return Parts{{q.radii, q.blend}};
+                              },
+                          .keeps_promise = true,
+                          .radii = RadiiRule::adaptive});
     ours.add("step", {"cells by distance, vertices jump in the middle of the band", [](const SystemQuery& q) {
                         return Parts{{q.radii, Blend::step}};
                       }});
@@ -38,6 +46,8 @@ Registry<LodSystem>& systems() {
                             .parts = faded_parts,
                             .blends = true,
                             .moves_vertices = false});
+    for (const bool measured : {false, true})
+      ours.add(measured ? "cluster-dag-measured" : "cluster-dag", cluster_dag_system(measured));
     ours.add(std::string(full_system),
              {"the finest level, what the others are measured against", [](const SystemQuery& q) {
                 return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};
@@ -50,7 +60,8 @@ Registry<LodSystem>& systems() {
 }  // namespace
 
 void add_lod_system(const std::string& name, LodSystem system) {
-  if (!system.parts) throw InputError("LOD system '" + name + "' has no function that says what it draws");
+  if (!system.parts == !system.patches)
+    throw InputError("LOD system '" + name + "' needs one function that says what it draws: parts, or patches");
   systems().add(name, std::move(system));
 }
 

@@ -1,16 +1,18 @@
-// LOD systems that are compared: what each draws of one hierarchy for the same radii. They differ in nothing else.
-//
-// All are the usual selection and morph with other numbers: bands that begin beyond everything leave every vertex where
-// its own level has it, radii of 0 and infinity select one level as a whole, and pictures of several such parts are
-// blended.
+// LOD systems that are compared. Most draw the cells of one hierarchy for the same radii and differ in nothing else:
+// the usual selection and morph with other numbers. Bands that begin beyond everything leave every vertex where its own
+// level has it, radii of 0 and infinity select one level as a whole, and pictures of several such parts are blended.
+// Others make patches of their own of the finest level, and choose among them.
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/lod/blend.h"
 #include "render/lod/radii.h"
 
@@ -32,6 +34,17 @@ struct SystemPart {
   double share = 1;
 };
 
+// Patches, each drawn as it is, that a system has instead of the cells of the model.
+class Patches {
+ public:
+  virtual ~Patches() = default;
+  // One level, whose cells are the patches, in the normalised space of the model. The box of the first is that of the
+  // whole model, which cameras look at.
+  [[nodiscard]] virtual const Hierarchy& hierarchy() const = 0;
+  // Those that are drawn for the whole surface, ascending. An error of 1 is within the tolerance from `reach` on.
+  [[nodiscard]] virtual std::vector<CellId> select(Vec3f viewpoint, double reach) const = 0;
+};
+
 struct LodSystem {
   std::string description = {};  // half a sentence
   // One part; where it blends, two, of which the first is looked at for cracks. Shares are in [0, 1] and add up to 1. A
@@ -40,19 +53,26 @@ struct LodSystem {
   bool keeps_promise = false;  // neither cracks nor pops with admissible radii
   bool blends = false;         // two pictures at times, so that it draws scenes of one model alone
   bool moves_vertices = true;  // false: what changes is in the pictures alone, and there are no jumps
+  // Instead of parts: makes the patches of a model from its finest level, once. Throws InputError for a model that it
+  // cannot draw. The same for any scheduler.
+  std::function<std::shared_ptr<const Patches>(const Hierarchy&, Scheduler&)> patches = {};
+  std::optional<RadiiRule> radii = {};  // instead of the view's
 };
 
 // Makes a system known to the experiment `systems`. Throws InputError for a name that is taken or cannot be one
-// (core/base/registry.h), and for a system without parts. To be called before any is used.
+// (core/base/registry.h), and for a system with neither parts nor patches, or with both. To be called before any is
+// used.
 void add_lod_system(const std::string& name, LodSystem system);
 
 // Throws InputError listing the known names.
 [[nodiscard]] const LodSystem& lod_system(std::string_view name);
 
 // "morph": this program's; cells by distance, vertices morphed.
-// "step": the same with the blend `step`: vertices jump in the middle of the band, but nothing cracks.
+// "adaptive": the same with a radius for every cell.
+// "step": as "morph" with the blend `step`: vertices jump in the middle of the band, but nothing cracks.
 // "discrete": cells by distance, each at the level that the distance chooses, no morph: it pops, and cracks.
 // "cross-fade": the whole model at one level; two pictures blended while levels change: no cracks, ghosts.
+// "cluster-dag", "cluster-dag-measured": clusters of the finest level (cluster_dag/cluster_dag.h), exchanged in groups.
 // "full": M_L, what the others are measured against.
 // Then what was added.
 [[nodiscard]] std::vector<std::string> lod_system_names();

@@ -4,6 +4,9 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/drawn/screen_error.h"
+#include "experiments/systems/patch_proof.h"
 
 namespace lodestone {
 namespace {
@@ -12,14 +15,23 @@ namespace {
 struct Past {
   ErrorMap absolute, flip;
   std::vector<std::unique_ptr<FrameProof>> proofs;  // of the models
+  std::vector<std::unique_ptr<MeasuredSurface>> surfaces;
 };
 
 class Flight {
  public:
   Flight(SceneView& scene, Renderer& renderer, const SystemFlightConfig& config, Scheduler& scheduler)
-      : config_(config), scheduler_(scheduler), pictures_(scene, renderer, config.system) {
-    scene.upload(renderer);
+      : config_(config), scheduler_(scheduler), pictures_(scene, renderer, scheduler, config.system) {
     past_.resize(config.systems.size());
+    for (Past& past : past_) past.surfaces.resize(scene.model_count());
+    for (std::size_t m = 0; m < scene.model_count(); ++m) {
+      const Hierarchy& model = scene.hierarchy(m);
+      if (config.screen) full_.push_back(std::make_unique<MeasuredSurface>(finest_mesh(model)));
+      const bool patches =
+          std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
+      if (config.geometry && patches)
+        patch_proofs_.emplace_back(finest_mesh(model), junction_tolerance * cell_size(model.finest()), scheduler);
+    }
     if (!config.geometry) return;
     for (Past& past : past_)
       for (std::size_t m = 0; m < scene.model_count(); ++m)
@@ -38,6 +50,7 @@ class Flight {
       row.quality = errors.quality;
       if (frame > 0) measure_pops(past_[s], errors, full, row);
       if (config_.geometry) row.surface = measure_surface(drawn, full.image, past_[s], row);
+      if (config_.screen) measure_screen(drawn, past_[s], row);
       rows.push_back(row);
       if (on_row) on_row(row, drawn, full.image);
       past_[s].absolute = std::move(errors.absolute), past_[s].flip = std::move(errors.flip);
@@ -75,24 +88,48 @@ class Flight {
     SurfaceSample all;
     for (std::size_t m = 0; m < drawn.models.size(); ++m) {
       const SystemModel& model = drawn.models[m];
+      // Several models may lie behind each other: their silhouette is not that of one of them.
+      const bool alone = drawn.models.size() == 1;
+      std::optional<std::span<const float>> depth;
+      if (config_.leaks) depth = alone ? std::span<const float>(full.depth) : std::span<const float>();
+      if (drawn.patches) {
+        const Screen screen(model.view_projection, config_.view.size);
+        add(all, patch_proofs_[m].measure(drawn_mesh(model.context(), model.whole), screen, depth));
+        continue;
+      }
       MorphContext promise = model.context();
       promise.radii = &model.morph;
       promise.blend = config_.view.blend;  // `step` has another one of its own
       ProofFrame frame{model.context(), model.view_projection, config_.view.size};
       frame.follows = row.frame > 0 && lod_system(row.system).moves_vertices;
       frame.promise = &promise;
-      // Several models may lie behind each other: their silhouette is not that of one of them.
-      const bool alone = drawn.models.size() == 1;
-      if (config_.leaks) frame.full_depth = alone ? std::span<const float>(full.depth) : std::span<const float>();
+      frame.full_depth = depth;
       add(all, past.proofs[m]->measure(frame));
     }
     return all;
   }
 
+  void measure_screen(const SystemPicture& drawn, Past& past, SystemRow& row) {
+    for (std::size_t m = 0; m < drawn.models.size(); ++m) {
+      const SystemModel& model = drawn.models[m];
+      const Screen screen(model.view_projection, config_.view.size);
+      auto surface = std::make_unique<MeasuredSurface>(drawn_mesh(model.context(), model.whole));
+      const double error = screen_error(*surface, *full_[m], screen, scheduler_).largest();
+      row.screen_error = std::max(row.screen_error.value_or(0), error);
+      if (past.surfaces[m]) {
+        const double shift = screen_error(*surface, *past.surfaces[m], screen, scheduler_).largest();
+        row.shift_pixels = std::max(row.shift_pixels.value_or(0), shift);
+      }
+      past.surfaces[m] = std::move(surface);
+    }
+  }
+
   const SystemFlightConfig& config_;
   Scheduler& scheduler_;
   SystemPictures pictures_;
-  std::vector<Past> past_;  // by system
+  std::vector<std::unique_ptr<MeasuredSurface>> full_;  // by model
+  std::vector<PatchProof> patch_proofs_;                // by model, where a system has patches
+  std::vector<Past> past_;                              // by system
   SystemPicture full_before_;
 };
 

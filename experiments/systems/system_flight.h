@@ -24,6 +24,7 @@ struct SystemFlightConfig {
   ImagePopConfig pops;
   bool geometry = true;  // cracks and jumps of the drawn surface
   bool leaks = true;     // of closed models: asks for geometry
+  bool screen = false;   // distances on the screen
   const CancelFlag* cancel = nullptr;
 };
 
@@ -41,6 +42,9 @@ struct SystemRow {
   // and there are no jumps. The bound of jumps is that of the morph by the view's own blend, for discrete and step,
   // too.
   std::optional<SurfaceSample> surface;
+  // Distances on the screen between the drawn and the full surface, and between the drawn surface and that of the frame
+  // before, both as the camera of this frame sees them; the largest of all models.
+  std::optional<double> screen_error{}, shift_pixels{};
 };
 
 // Called with each row as it is done, by frame and then in the order of `systems`, with the picture, the one of the

@@ -27,6 +27,15 @@ void check_parts(std::string_view name, const std::vector<SystemPart>& parts, st
                      std::to_string(most) + " are drawn, with shares that add up to 1");
 }
 
+// The patches that the frustum meets.
+Selection in_sight(const SystemModel& model, const ViewProjection& projection) {
+  const Frustum frustum = frustum_of(projection);
+  Selection seen;
+  for (const SelectedCell& cell : model.whole.cells)
+    if (!is_outside(frustum, model.hierarchy->cells[cell.cell].bounds, 0)) seen.cells.push_back(cell);
+  return seen;
+}
+
 }  // namespace
 
 Image blended(const Image& a, const Image& b, double share) {
@@ -38,11 +47,71 @@ Image blended(const Image& a, const Image& b, double share) {
   return image;
 }
 
-SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, const SystemConfig& config)
-    : scene_(scene), renderer_(renderer), config_(config) {
+SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, Scheduler& scheduler, const SystemConfig& config)
+    : scene_(scene), renderer_(renderer), scheduler_(scheduler), config_(config) {
   for (std::size_t m = 0; m < scene.model_count(); ++m)
     if (scene.limit_rate(m) > 0)
       throw InputError("LOD systems are compared on whole models; open the scene without a memory budget");
+}
+
+void SystemPictures::show(SceneView& view) {
+  if (shown_ == &view) return;
+  view.upload(renderer_);
+  shown_ = &view;
+}
+
+SystemPictures::OwnScene& SystemPictures::own_scene(std::string_view name, const LodSystem& system) {
+  if (const auto known = own_.find(name); known != own_.end()) return known->second;
+  OwnScene own;
+  const CpuClock clock;
+  std::vector<OpenModel> models;
+  for (std::size_t m = 0; m < scene_.model_count(); ++m) {
+    own.models.push_back(system.patches(scene_.hierarchy(m), scheduler_));
+    models.push_back({&own.models.back()->hierarchy()});
+  }
+  own.time = clock.elapsed();
+  own.view = std::make_unique<SceneView>(scene_.scene(), std::move(models));
+  return own_.emplace(name, std::move(own)).first->second;
+}
+
+StageTime SystemPictures::prepare(std::string_view system) {
+  return lod_system(system).patches ? own_scene(system, lod_system(system)).time : StageTime{};
+}
+
+SystemPicture SystemPictures::draw_patches(OwnScene& own, const Camera& camera, const ViewConfig& view) {
+  if (view.radii.kappa0) throw InputError("patches follow a tolerance in pixels; give a pixel error instead of kappa0");
+  show(*own.view);
+  ViewConfig config = view;
+  config.radii.rule = RadiiRule::per_level;  // one level has no radii, by any rule
+  (void)own.view->update(camera, config);
+  const double reach = radius_over_error(for_picture(view.radii, view.size, camera.vertical_fov));
+
+  SystemPicture picture;
+  picture.patches = true;
+  picture.models.resize(own.models.size());
+  Frame frame = own.view->frame();
+  frame.select_on_device = false;
+  std::vector<Selection> drawn(own.models.size()), casters(own.models.size());
+  for (std::size_t m = 0; m < own.models.size(); ++m) {
+    SystemModel& model = picture.models[m];
+    ModelFrame& seen = frame.models[m];
+    model.hierarchy = &own.models[m]->hierarchy();
+    model.radii = model.morph = without_morph(*seen.morph.radii);
+    model.blend = view.blend;
+    model.viewpoint = seen.morph.viewpoint;
+    model.view_projection = seen.view_projection;
+    for (const CellId cell : own.models[m]->select(model.viewpoint, reach))
+      model.whole.cells.push_back({.cell = cell, .level = 0, .visible = true, .morphing = false});
+    seen.morph.radii = &model.radii;
+    drawn[m] = in_sight(model, seen.view_projection);
+    seen.selection = &drawn[m];
+    if (!seen.casters) continue;
+    casters[m] = in_sight(model, seen.light_projection);
+    seen.casters = &casters[m];
+  }
+  add_up(renderer_.draw(frame), picture.stats);
+  picture.image = renderer_.read_back();
+  return picture;
 }
 
 // Draws the frame of the view with one of the parts of each model.
@@ -73,7 +142,11 @@ SystemPicture SystemPictures::draw(std::string_view name, const Camera& camera, 
   const LodSystem& system = lod_system(name);
   if (system.blends && scene_.model_count() > 1)
     throw InputError("the system " + std::string(name) + " is made for one model; this scene has several");
-  (void)scene_.update(camera, view);
+  if (system.patches) return draw_patches(own_scene(name, system), camera, view);
+  ViewConfig config = view;
+  if (system.radii) config.radii.rule = *system.radii;
+  show(scene_);
+  (void)scene_.update(camera, config);
 
   SystemPicture picture;
   std::vector<std::vector<SystemPart>> parts;  // by model

@@ -1,10 +1,14 @@
 // Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
 #pragma once
 
+#include <map>
+#include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "experiments/systems/lod_system.h"
+#include "parallel/scheduler/clock.h"
 #include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
 
@@ -30,28 +34,43 @@ struct SystemModel {
 
 struct SystemPicture {
   Image image;
-  FrameStats stats;  // of all pictures, added up
-  int pictures = 1;  // that were drawn and blended
+  FrameStats stats;      // of all pictures, added up
+  int pictures = 1;      // that were drawn and blended
+  bool patches = false;  // the models are patches of the system's own
   std::vector<SystemModel> models;
 };
 
-// The scene and the renderer, to which the scene has been uploaded, outlive this. Throws InputError for a scene with
+// The scene, the renderer and the scheduler outlive this. Uploads what it draws. Throws InputError for a scene with
 // streamed models: M_L must be there.
 class SystemPictures {
  public:
-  SystemPictures(SceneView& scene, Renderer& renderer, const SystemConfig& config = {});
+  SystemPictures(SceneView& scene, Renderer& renderer, Scheduler& scheduler, const SystemConfig& config = {});
 
   // As SceneView::update and Renderer::draw throw; InputError for an unknown system, and for one that blends pictures
-  // of a scene with several models, which would fade at different distances. The view of the scene is left at the
-  // camera.
+  // of a scene with several models, which would fade at different distances, and for patches where the view has no
+  // tolerance in pixels.
   [[nodiscard]] SystemPicture draw(std::string_view system, const Camera& camera, const ViewConfig& view);
 
+  // The time that it took to make the patches of a system, which is done now if it was not; nothing for one without.
+  [[nodiscard]] StageTime prepare(std::string_view system);
+
  private:
+  struct OwnScene {
+    std::vector<std::shared_ptr<const Patches>> models;
+    std::unique_ptr<SceneView> view;
+    StageTime time;
+  };
+  OwnScene& own_scene(std::string_view name, const LodSystem& system);
+  void show(SceneView& view);
+  [[nodiscard]] SystemPicture draw_patches(OwnScene& own, const Camera& camera, const ViewConfig& view);
   void draw_part(const std::vector<std::vector<SystemPart>>& parts, std::size_t part, SystemPicture& picture);
 
   SceneView& scene_;
   Renderer& renderer_;
+  Scheduler& scheduler_;
   SystemConfig config_;
+  std::map<std::string, OwnScene, std::less<>> own_;
+  const SceneView* shown_ = nullptr;  // what the renderer has
 };
 
 // share of b and 1 - share of a, by channel, rounded; the nearer depth. Of one size.

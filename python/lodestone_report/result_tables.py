@@ -188,9 +188,11 @@ PAGES = [
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
-               IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE, FRAME, WORST]),
+               ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE,
+               FRAME, WORST, ("to make, CPU s", "make_cpu_seconds")]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
-       "compared with the bound of the morph. Every system is a run of its own, and repetitions take turns."),
+       "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
+       "measured errors. Every system is a run of its own, and repetitions take turns."),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,

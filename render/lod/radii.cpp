@@ -29,10 +29,11 @@ void check(const RadiiConfig& config) {
   if (config.image_height < 1 || !positive(config.aspect)) throw InputError("the image must have a positive size");
 }
 
-// The radius, over the error, that keeps the error below tau pixels anywhere in the image: one pixel of a pinhole
-// camera subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner. A bound for every
-// angle and aspect that round to those of the configuration: it grows with the aspect, and its largest values over an
-// interval of angles are at the ends, since 1 / t + c t is convex.
+}  // namespace
+
+// One pixel of a pinhole camera subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner.
+// A bound for every angle and aspect that round to those of the configuration: it grows with the aspect, and its
+// largest values over an interval of angles are at the ends, since 1 / t + c t is convex.
 double radius_over_error(const RadiiConfig& config) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const double aspect = std::nextafter(config.aspect, infinity);
@@ -44,6 +45,8 @@ double radius_over_error(const RadiiConfig& config) {
   return std::max(radius(std::nextafter(config.vertical_fov, 0.0f)),
                   radius(std::nextafter(config.vertical_fov, infinity)));
 }
+
+namespace {
 
 // The box rule (docs/decisions/0055), fine to coarse.
 class AdaptiveRadii {

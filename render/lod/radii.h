@@ -43,6 +43,9 @@ struct RadiiConfig {
 // The same rule for a picture of this size and a camera of this field of view, in radians.
 [[nodiscard]] RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov);
 
+// The radius, over the error, that keeps the error below pixel_error anywhere in the picture.
+[[nodiscard]] double radius_over_error(const RadiiConfig& config);
+
 struct Radii {
   DistanceMetric metric = DistanceMetric::euclidean;
   std::vector<float> select;      // r_l for l < L: a cell of level l is drawn iff d(v_p, B) >= r_l and no ancestor is
@@ -51,8 +54,9 @@ struct Radii {
   // r_{l-1} > a_l for all levels, guards included: the drawn surface is continuous in space and time.
   bool admissible = false;
   // Adaptive radii, else empty: R_C by cell. A cell is drawn iff d(v_p, B) >= R_C and no ancestor is. On the finest
-  // level, where all are drawn, it is where the morph begins, at 0 or farther away. Then select[l] is the largest of level l, and
-  // [band_begin, band_end] are the narrowest that a vertex of the level may morph in, as wide as beta asks for.
+  // level, where all are drawn, it is where the morph begins, at 0 or farther away. Then select[l] is the largest of
+  // level l, and [band_begin, band_end] are the narrowest that a vertex of the level may morph in, as wide as beta asks
+  // for.
   std::vector<float> by_cell;
   std::shared_ptr<const Signatures> signatures;  // null: cells are exchanged without a morph
   float delta = 0;                               // of the configuration, for by_cell

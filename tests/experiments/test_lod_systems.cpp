@@ -44,7 +44,7 @@ std::vector<Camera> approach(int frames) {
 
 TEST(LodSystem, Names) {
   for (const std::string& system : lod_system_names()) EXPECT_FALSE(lod_system(system).description.empty());
-  expect_error_of<InputError>([] { (void)lod_system("lod"); }, {"unknown LOD system 'lod'; known are morph, step"});
+  expect_error_of<InputError>([] { (void)lod_system("lod"); }, {"unknown LOD system 'lod'; known are morph, adaptive, step"});
 }
 
 TEST(LodSystem, WithoutMorphEveryVertexStaysAtItsLevel) {
@@ -117,7 +117,7 @@ TEST(SystemPictures, TheFullModelIsWhatSmallTolerancesDraw) {
   SceneView near(scene_of_torus(1e4f), {{&torus()}});
   near.upload(*renderer);
   const ViewConfig config = view_config(near.scene(), size);
-  SystemPictures pictures(near, *renderer);
+  SystemPictures pictures(near, *renderer, *scheduler);
   const Camera camera = approach(3)[1];
   const SystemPicture full = pictures.draw("full", camera, config);
   EXPECT_EQ(full.image.depth.size(), full.image.rgba.size() / 4);
@@ -139,7 +139,7 @@ TEST(SystemPictures, TheMorphIsTheUsualPicture) {
   (void)view.update(camera, config);
   (void)view.draw(*renderer);
   const Image usual = renderer->read_back();
-  SystemPictures pictures(view, *renderer);
+  SystemPictures pictures(view, *renderer, *scheduler);
   EXPECT_EQ(pictures.draw("morph", camera, config).image.rgba, usual.rgba);
   EXPECT_NE(pictures.draw("discrete", camera, config).image.rgba, usual.rgba);
 }
@@ -152,13 +152,13 @@ TEST(SystemPictures, AddedSystemsAreDrawnAndChecked) {
   add_lod_system("two-levels", {.description = "root and finest level, half each", .parts = halves, .blends = true});
   add_lod_system("unsaid", {.description = "the same, unannounced", .parts = halves});
   add_lod_system("nothing", {.parts = [](const SystemQuery&) { return std::vector<SystemPart>(); }});
-  expect_error_of<InputError>([] { add_lod_system("empty", {}); }, {"'empty'"});
+  expect_error_of<InputError>([] { add_lod_system("empty", {}); }, {"'empty'", "parts, or patches"});
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
   SceneView view(scene_of_torus(), {{&torus()}});
   view.upload(*renderer);
   const ViewConfig config = view_config(view.scene(), size);
-  SystemPictures pictures(view, *renderer);
+  SystemPictures pictures(view, *renderer, *scheduler);
   const Camera camera = approach(3)[1];
   const SystemPicture half = pictures.draw("two-levels", camera, config), full = pictures.draw("full", camera, config);
   EXPECT_EQ(half.pictures, 2);
@@ -336,7 +336,7 @@ TEST(SystemFlight, RefusesWhatItCannotCompare) {
   two.models.back().name = "other";
   SceneView both(two, {{&torus()}, {&torus()}});
   both.upload(*renderer);
-  SystemPictures pictures(both, *renderer);
+  SystemPictures pictures(both, *renderer, *scheduler);
   EXPECT_THROW((void)pictures.draw("cross-fade", good.cameras[0], good.view), InputError);
   EXPECT_EQ(pictures.draw("discrete", good.cameras[0], good.view).models.size(), 2u);
 }

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "experiments/metrics/drawn/drawn_mesh.h"
 #include "experiments/metrics/drawn/position_resolution.h"
-#include "experiments/metrics/drawn/screen.h"
 
 namespace lodestone {
 namespace {
@@ -41,36 +39,21 @@ Farthest farthest(std::size_t count, const PointOf& point_of, const TriangleBvh&
   return all;
 }
 
-TriangleBvh bvh_of(const DrawnMesh& mesh) { return TriangleBvh(mesh.positions, mesh.triangles); }
-
 }  // namespace
 
-ScreenErrorBasis::ScreenErrorBasis(const Hierarchy& hierarchy) : full_(bvh_of(finest_mesh(hierarchy))) {}
-
-ScreenError screen_error(const MorphContext& morph, const Selection& selection, const ViewProjection& view_projection,
-                         ImageSize size, const ScreenErrorBasis& basis, Scheduler& scheduler) {
-  const Screen screen(view_projection, size);
-  const DrawnMesh drawn = drawn_mesh(morph, selection);
-  ScreenError error;
-  if (drawn.triangles.empty()) return error;
-  const std::size_t vertices = drawn.positions.size();
+ScreenError screen_error(const MeasuredSurface& drawn, const MeasuredSurface& full, const Screen& screen,
+                         Scheduler& scheduler) {
+  const DrawnMesh& mesh = drawn.mesh();
+  const std::size_t vertices = mesh.positions.size();
   const auto drawn_point = [&](std::size_t i) {
-    if (i < vertices) return drawn.positions[i];
-    const Triangle& t = drawn.triangles[i - vertices];
-    return (1.0 / 3) * (drawn.positions[t.v[0]] + drawn.positions[t.v[1]] + drawn.positions[t.v[2]]);
+    if (i < vertices) return mesh.positions[i];
+    const Triangle& t = mesh.triangles[i - vertices];
+    return (1.0 / 3) * (mesh.positions[t.v[0]] + mesh.positions[t.v[1]] + mesh.positions[t.v[2]]);
   };
-  const Farthest there = farthest(vertices + drawn.triangles.size(), drawn_point, basis.full(), screen, scheduler);
-  const TriangleBvh drawn_bvh = bvh_of(drawn);
-  error.drawn_to_full = there.pixels;
-  error.points = there.points;
-  for (const Cell& cell : morph.hierarchy->cells_of(morph.hierarchy->finest())) {
-    const Farthest back = farthest(
-        cell.positions.size(), [&](std::size_t i) { return to_double(cell.positions[i]); }, drawn_bvh, screen,
-        scheduler);
-    error.full_to_drawn = std::max(error.full_to_drawn, back.pixels);
-    error.points += back.points;
-  }
-  return error;
+  const auto full_point = [&](std::size_t i) { return full.mesh().positions[i]; };
+  const Farthest there = farthest(vertices + mesh.triangles.size(), drawn_point, full.tree(), screen, scheduler);
+  const Farthest back = farthest(full.mesh().positions.size(), full_point, drawn.tree(), screen, scheduler);
+  return {there.pixels, back.pixels, there.points + back.points};
 }
 
 }  // namespace lodestone

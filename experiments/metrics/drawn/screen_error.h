@@ -7,12 +7,12 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "core/spatial/triangle_bvh.h"
+#include "experiments/metrics/drawn/drawn_mesh.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "parallel/scheduler/scheduler.h"
-#include "render/camera/camera.h"
-#include "render/lod/morph.h"
-#include "render/lod/selection.h"
 
 namespace lodestone {
 
@@ -22,20 +22,21 @@ struct ScreenError {
   [[nodiscard]] double largest() const { return drawn_to_full > full_to_drawn ? drawn_to_full : full_to_drawn; }
 };
 
-// The full surface M_L, for any number of frames: about 100 bytes per triangle.
-class ScreenErrorBasis {
+// A surface to measure from and to: about 150 bytes per triangle.
+class MeasuredSurface {
  public:
-  explicit ScreenErrorBasis(const Hierarchy& hierarchy);
-  [[nodiscard]] const TriangleBvh& full() const { return full_; }
+  explicit MeasuredSurface(DrawnMesh mesh) : mesh_(std::move(mesh)), tree_(mesh_.positions, mesh_.triangles) {}
+  [[nodiscard]] const DrawnMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const TriangleBvh& tree() const { return tree_; }
 
  private:
-  TriangleBvh full_;
+  DrawnMesh mesh_;
+  TriangleBvh tree_;
 };
 
-// `selection` is a whole partition (keep_culled = true). O(drawn and full triangles in sight) nearest-point queries,
-// and a bounding volume hierarchy of the drawn surface.
-[[nodiscard]] ScreenError screen_error(const MorphContext& morph, const Selection& selection,
-                                       const ViewProjection& view_projection, ImageSize size,
-                                       const ScreenErrorBasis& basis, Scheduler& scheduler);
+// The two surfaces have triangles and lie in one space, such as a drawn one and finest_mesh(). O(triangles in sight)
+// nearest-point queries.
+[[nodiscard]] ScreenError screen_error(const MeasuredSurface& drawn, const MeasuredSurface& full, const Screen& screen,
+                                       Scheduler& scheduler);
 
 }  // namespace lodestone

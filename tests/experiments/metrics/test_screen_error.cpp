@@ -85,16 +85,22 @@ double brute_force(const Hierarchy& h, const testing::Frame& f, const ViewProjec
   return largest;
 }
 
+ScreenError error_of(const testing::Frame& frame, const ViewProjection& projection, const MeasuredSurface& finest,
+                     Scheduler& scheduler) {
+  return screen_error(MeasuredSurface(drawn_mesh(frame.context, frame.selection)), finest, Screen(projection, size),
+                      scheduler);
+}
+
 TEST(ScreenError, IsTheBruteForce) {
   const auto scheduler = make_tbb_scheduler(2);
   const Hierarchy h = build(test::torus_mesh(48, 24), 3, *scheduler);
-  const ScreenErrorBasis basis(h);
+  const MeasuredSurface finest(finest_mesh(h));
   double largest = 0;
   for (const Camera& camera : orbit_path(h, 3)) {
     const Radii radii = radii_for(h, camera, 20);
     const testing::Frame f = frame_of(h, radii, camera);
     const ViewProjection vp = view_projection(camera, h, size);
-    const ScreenError error = screen_error(f.context, f.selection, vp, size, basis, *scheduler);
+    const ScreenError error = error_of(f, vp, finest, *scheduler);
     EXPECT_GT(error.points, 100u);
     EXPECT_NEAR(error.largest(), brute_force(h, f, vp), 1e-6);
     largest = std::max(largest, error.largest());
@@ -110,8 +116,7 @@ TEST(ScreenError, IsNoneWhereAllOfTheSurfaceIsDrawn) {
   config.kappa0 = 1000;
   const Radii radii = make_radii(h, config);
   const testing::Frame f = frame_of(h, radii, camera);
-  const ScreenError error =
-      screen_error(f.context, f.selection, view_projection(camera, h, size), size, ScreenErrorBasis(h), *scheduler);
+  const ScreenError error = error_of(f, view_projection(camera, h, size), MeasuredSurface(finest_mesh(h)), *scheduler);
   EXPECT_GT(error.points, 100u);
   EXPECT_EQ(error.largest(), 0);
 }
@@ -121,14 +126,13 @@ TEST(ScreenError, StaysWithinTheToleranceOfTheRadii) {
   double share = 0;
   for (const IndexedMesh& mesh : {test::sphere_mesh(5), test::terrain_mesh(96), test::torus_mesh(128, 64)}) {
     const Hierarchy h = build(IndexedMesh(mesh), 4, *scheduler);
-    const ScreenErrorBasis basis(h);
+    const MeasuredSurface finest(finest_mesh(h));
     for (const auto& path : {orbit_path(h, 4), fly_in_path(h, 8)})
       for (const Camera& camera : path)
         for (const float pixels : {0.5f, 2.0f, 8.0f}) {
           const Radii radii = radii_for(h, camera, pixels);
           const testing::Frame f = frame_of(h, radii, camera);
-          const double error =
-              screen_error(f.context, f.selection, view_projection(camera, h, size), size, basis, *scheduler).largest();
+          const double error = error_of(f, view_projection(camera, h, size), finest, *scheduler).largest();
           EXPECT_LE(error, pixels);
           share = std::max(share, error / pixels);
         }

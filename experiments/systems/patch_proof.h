@@ -1,0 +1,31 @@
+// Cracks of a surface that is made of patches: by its triangles alone, as no relation of vertices to those of the full
+// surface is known.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "experiments/metrics/drawn/drawn_mesh.h"
+#include "experiments/metrics/drawn/screen.h"
+#include "experiments/subjects/frame_proof.h"
+
+namespace lodestone {
+
+class PatchProof {
+ public:
+  // `full`: the finest surface of the model.
+  PatchProof(const DrawnMesh& full, double junction_distance, Scheduler& scheduler);
+
+  // Open edges are edges of the border with an end where the full surface has no border; there are no gaps of vertices
+  // and no jumps. Leaks of closed models, where a depth is given, as in ProofFrame.
+  [[nodiscard]] SurfaceSample measure(const DrawnMesh& drawn, const Screen& screen,
+                                      std::optional<std::span<const float>> full_depth) const;
+
+ private:
+  std::vector<Vec3d> border_;  // places of the full surface's border, ascending
+  double junction_distance_;
+  Scheduler& scheduler_;
+};
+
+}  // namespace lodestone
