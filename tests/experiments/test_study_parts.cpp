@@ -102,6 +102,20 @@ std::size_t faults(
   return std::move(verdict).messages().size();
 }
 
+// Patches have no vertices to follow: null gaps say nothing about their open edges.
+TEST(SurfaceVerdict, AsksForGapsWhereTheyAreMeasured) {
+  const std::vector<ColumnInfo> surface = SurfaceSummary::columns();
+  const auto messages = [&](const Row& gap) {
+    const std::vector<Row> rows{Row{{"gap_max", gap}, {"open_edges", 3}}};
+    RowVerdict verdict(surface, rows);
+    check_surface(verdict, true);
+    return std::move(verdict).messages().size();
+  };
+  EXPECT_EQ(messages(nullptr), 0u);
+  EXPECT_EQ(messages(0.1), 0u);
+  EXPECT_EQ(messages(0.0), 1u);
+}
+
 TEST(RowVerdict, KnowsColumnsAndTheirKinds) {
   EXPECT_EQ(faults({{{"name", "a"}, {"n", 3}, {"s", -0.5}}}), 0u);
   EXPECT_EQ(faults({{{"name", nullptr}, {"n", nullptr}}}), 0u);
