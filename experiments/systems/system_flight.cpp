@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks/t_junctions.h"
@@ -24,13 +25,13 @@ class Flight {
       : config_(config), scheduler_(scheduler), pictures_(scene, renderer, scheduler, config.system) {
     past_.resize(config.systems.size());
     for (Past& past : past_) past.surfaces.resize(scene.model_count());
-    for (std::size_t m = 0; m < scene.model_count(); ++m) {
-      const Hierarchy& model = scene.hierarchy(m);
-      if (config.screen) full_.push_back(std::make_unique<MeasuredSurface>(finest_mesh(model)));
-      const bool patches =
-          std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
-      if (config.geometry && patches)
-        patch_proofs_.emplace_back(finest_mesh(model), junction_tolerance * cell_size(model.finest()), scheduler);
+    const bool patches = config.geometry &&
+                         std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
+    for (std::size_t m = 0; (patches || config.screen) && m < scene.model_count(); ++m) {
+      DrawnMesh finest = finest_mesh(scene.hierarchy(m));
+      const double junction = junction_tolerance * cell_size(scene.hierarchy(m).finest());
+      if (patches) patch_proofs_.emplace_back(finest, junction, scheduler);
+      if (config.screen) full_.push_back(std::make_unique<MeasuredSurface>(std::move(finest)));
     }
     if (!config.geometry) return;
     for (Past& past : past_)

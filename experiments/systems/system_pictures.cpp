@@ -90,52 +90,60 @@ SystemPicture SystemPictures::draw_patches(OwnScene& own, const Camera& camera, 
   picture.patches = true;
   picture.models.resize(own.models.size());
   Frame frame = own.view->frame();
-  frame.select_on_device = false;
-  std::vector<Selection> drawn(own.models.size()), casters(own.models.size());
   for (std::size_t m = 0; m < own.models.size(); ++m) {
     SystemModel& model = picture.models[m];
-    ModelFrame& seen = frame.models[m];
-    model.hierarchy = &own.models[m]->hierarchy();
-    model.radii = model.morph = without_morph(*seen.morph.radii);
-    model.blend = view.blend;
-    model.viewpoint = seen.morph.viewpoint;
-    model.view_projection = seen.view_projection;
+    MorphContext& morph = frame.models[m].morph;
+    model = {.hierarchy = morph.hierarchy,
+             .radii = without_morph(*morph.radii),
+             .morph = without_morph(*morph.radii),
+             .blend = morph.blend,
+             .viewpoint = morph.viewpoint,
+             .whole = {},
+             .view_projection = frame.models[m].view_projection};
     for (const CellId cell : own.models[m]->select(model.viewpoint, reach))
       model.whole.cells.push_back({.cell = cell, .level = 0, .visible = true, .morphing = false});
-    seen.morph.radii = &model.radii;
-    drawn[m] = in_sight(model, seen.view_projection);
-    seen.selection = &drawn[m];
-    if (!seen.casters) continue;
-    casters[m] = in_sight(model, seen.light_projection);
-    seen.casters = &casters[m];
+    morph.radii = &model.radii;
   }
-  add_up(renderer_.draw(frame), picture.stats);
+  draw_frame(
+      frame, [&](std::size_t m, const ViewProjection& projection) { return in_sight(picture.models[m], projection); },
+      picture);
   picture.image = renderer_.read_back();
   return picture;
+}
+
+// Draws a frame with the cells that `select` finds in sight of the camera, and of the light where that is asked for.
+void SystemPictures::draw_frame(Frame& frame, const SelectInSight& select, SystemPicture& picture) {
+  frame.select_on_device = false;
+  std::vector<Selection> drawn(frame.models.size()), casters(frame.models.size());
+  for (std::size_t m = 0; m < frame.models.size(); ++m) {
+    ModelFrame& model = frame.models[m];
+    drawn[m] = select(m, model.view_projection);
+    model.selection = &drawn[m];
+    if (!model.casters) continue;
+    casters[m] = select(m, model.light_projection);
+    model.casters = &casters[m];
+  }
+  add_up(renderer_.draw(frame), picture.stats);
 }
 
 // Draws the frame of the view with one of the parts of each model.
 void SystemPictures::draw_part(const std::vector<std::vector<SystemPart>>& parts, std::size_t part,
                                SystemPicture& picture) {
   Frame frame = scene_.frame();
-  frame.select_on_device = false;
-  std::vector<Selection> drawn(parts.size()), casters(parts.size());
   for (std::size_t m = 0; m < parts.size(); ++m) {
-    const Radii& radii = parts[m][part].radii;
-    ModelFrame& model = frame.models[m];
-    const auto select = [&](const ViewProjection& projection, Selection& out) {
-      const Frustum frustum = frustum_of(projection);
-      select_cells(*model.morph.hierarchy, radii, model.morph.viewpoint, {&frustum, false}, out);
-    };
-    model.morph.radii = &radii;
-    model.morph.blend = parts[m][part].blend;
-    select(model.view_projection, drawn[m]);
-    model.selection = &drawn[m];
-    if (!model.casters) continue;
-    select(model.light_projection, casters[m]);
-    model.casters = &casters[m];
+    frame.models[m].morph.radii = &parts[m][part].radii;
+    frame.models[m].morph.blend = parts[m][part].blend;
   }
-  add_up(renderer_.draw(frame), picture.stats);
+  draw_frame(
+      frame,
+      [&](std::size_t m, const ViewProjection& projection) {
+        const MorphContext& morph = frame.models[m].morph;
+        const Frustum frustum = frustum_of(projection);
+        Selection seen;
+        select_cells(*morph.hierarchy, *morph.radii, morph.viewpoint, {&frustum, false}, seen);
+        return seen;
+      },
+      picture);
 }
 
 SystemPicture SystemPictures::draw(std::string_view name, const Camera& camera, const ViewConfig& view) {

@@ -1,6 +1,7 @@
 // Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -63,6 +64,8 @@ class SystemPictures {
   OwnScene& own_scene(std::string_view name, const LodSystem& system);
   void show(SceneView& view);
   [[nodiscard]] SystemPicture draw_patches(OwnScene& own, const Camera& camera, const ViewConfig& view);
+  using SelectInSight = std::function<Selection(std::size_t model, const ViewProjection& projection)>;
+  void draw_frame(Frame& frame, const SelectInSight& select, SystemPicture& picture);
   void draw_part(const std::vector<std::vector<SystemPart>>& parts, std::size_t part, SystemPicture& picture);
 
   SceneView& scene_;

@@ -22,14 +22,14 @@ namespace {
 
 using namespace testing;
 
-const Hierarchy& torus() {
-  static const test::NaiveHierarchy made = test::naive_hierarchy(test::torus_mesh(160, 80), 4);
-  return made.hierarchy;
-}
-
 const IndexedMesh& mesh() {
   static const IndexedMesh made = test::torus_mesh(160, 80);
   return made;
+}
+
+const Hierarchy& torus() {
+  static const test::NaiveHierarchy made = test::naive_hierarchy(mesh(), 4);
+  return made.hierarchy;
 }
 
 std::vector<Cluster> dag_of(const IndexedMesh& surface, bool measured, Scheduler& scheduler) {

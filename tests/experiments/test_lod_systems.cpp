@@ -44,7 +44,8 @@ std::vector<Camera> approach(int frames) {
 
 TEST(LodSystem, Names) {
   for (const std::string& system : lod_system_names()) EXPECT_FALSE(lod_system(system).description.empty());
-  expect_error_of<InputError>([] { (void)lod_system("lod"); }, {"unknown LOD system 'lod'; known are morph, adaptive, step"});
+  expect_error_of<InputError>([] { (void)lod_system("lod"); },
+                              {"unknown LOD system 'lod'; known are morph, adaptive, step"});
 }
 
 TEST(LodSystem, WithoutMorphEveryVertexStaysAtItsLevel) {
@@ -115,7 +116,6 @@ TEST(SystemPictures, TheFullModelIsWhatSmallTolerancesDraw) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
   SceneView near(scene_of_torus(1e4f), {{&torus()}});
-  near.upload(*renderer);
   const ViewConfig config = view_config(near.scene(), size);
   SystemPictures pictures(near, *renderer, *scheduler);
   const Camera camera = approach(3)[1];
@@ -335,7 +335,6 @@ TEST(SystemFlight, RefusesWhatItCannotCompare) {
   two.models.push_back(two.models.front());
   two.models.back().name = "other";
   SceneView both(two, {{&torus()}, {&torus()}});
-  both.upload(*renderer);
   SystemPictures pictures(both, *renderer, *scheduler);
   EXPECT_THROW((void)pictures.draw("cross-fade", good.cameras[0], good.view), InputError);
   EXPECT_EQ(pictures.draw("discrete", good.cameras[0], good.view).models.size(), 2u);

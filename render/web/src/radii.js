@@ -55,7 +55,7 @@ function overhang(inner, outer) {
   return Math.sqrt(sum);
 }
 
-// What radii by cell need whatever the tolerance is: the error that each cell answers for, its own and those of the
+// Radii by cell need these, whatever the tolerance is: the error that each cell answers for, its own and those of the
 // triangles around the vertices that it shares; and by level, from the finest up, the pairs of a cell and a parent that a
 // signature has, with how far points of the first may be from the second.
 const needs = new WeakMap();

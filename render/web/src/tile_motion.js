@@ -1,4 +1,4 @@
-// What moves the vertices of tiles, for their shaders (tile_material.js): their distances and the bands of their levels, or
+// Uniforms that move the vertices of tiles, for their shaders (tile_material.js): their distances and the bands of their levels, or
 // with radii by cell a lambda by signature.
 import * as THREE from 'three';
 import {limitsNear} from './limits.js';
