@@ -1,10 +1,11 @@
 // Damaged files, without a browser: each gives a mesh or one line that begins with its name and speaks of no JavaScript.
 // usage: node test_damaged.mjs PROGRAM PAGE
 import {execFileSync} from 'node:child_process';
-import {existsSync, mkdtempSync, readFileSync, readdirSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync, readFileSync, readdirSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
+import {runTests} from './run_tests.mjs';
 
 const [program, page] = process.argv.slice(2, 4).map((p) => path.resolve(p)), bundle = path.join(page, 'library.mjs');
 if (!existsSync(bundle)) {
@@ -151,16 +152,5 @@ async function testCorpus() {
   }
 }
 
-let status = 0;
-try {
-  const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
-  await testMeshes(run);
-  await testTilesets(run);
-  await testCorpus();
-} catch (error) {
-  console.error(`failed: ${error.stack ?? error}`);
-  status = 1;
-} finally {
-  rmSync(folder, {recursive: true, force: true});
-}
-process.exit(status);
+const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
+await runTests(folder, [testMeshes, testTilesets, testCorpus], () => run);

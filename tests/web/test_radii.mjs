@@ -2,10 +2,11 @@
 // from place to place fewer triangles are drawn than with radii by level.
 // usage: node test_radii.mjs PROGRAM PAGE MODULES PRINT_RADII
 import {execFileSync} from 'node:child_process';
-import {existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {existsSync, mkdtempSync, readFileSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
+import {runTests} from './run_tests.mjs';
 
 const [program, page, , printRadii] = process.argv.slice(2, 6).map((p) => path.resolve(p)), bundle = path.join(page, 'library.mjs');
 if (!existsSync(bundle)) {
@@ -75,19 +76,8 @@ async function testByLevel() {
   check(few < 0.7 * many && worse === 0, `${few} triangles in 40 views, ${many} with radii by level; in ${worse} views more`);
 }
 
-let status = 0;
-try {
+await runTests(folder, [testProgram, testByLevel], () => {
   writeTorus(240, 120);
   run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '150');
   run('export', 'torus.lode', '--tiles', 'tiles', '--morph');
-  for (const test of [testProgram, testByLevel]) {
-    console.log(test.name);
-    await test();
-  }
-} catch (error) {
-  console.error(`failed: ${error.stack ?? error}`);
-  status = 1;
-} finally {
-  rmSync(folder, {recursive: true, force: true});
-}
-process.exit(status);
+});

@@ -1,11 +1,12 @@
 // The rules of tiles without a browser: a camera flies over a tileset that a slow line brings, under budgets of memory.
 // usage: node test_resident.mjs PROGRAM PAGE
 import {execFileSync} from 'node:child_process';
-import {existsSync, mkdtempSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {loadOracle} from './tile_oracle.mjs';
+import {runTests} from './run_tests.mjs';
 
 const [program, page] = process.argv.slice(2, 4).map((p) => path.resolve(p)), bundle = path.join(page, 'library.mjs');
 if (!existsSync(bundle)) {
@@ -177,17 +178,4 @@ async function testBroken(oracle) {
   check(refused.includes('memory budget'), refused);
 }
 
-let status = 0;
-try {
-  const oracle = await makeOracle();
-  for (const test of [testSignatures, testLimits, testFlights, testByLevel, testOutrun, testChecks, testBroken]) {
-    console.log(test.name);
-    await test(oracle);
-  }
-} catch (error) {
-  console.error(`failed: ${error.stack ?? error}`);
-  status = 1;
-} finally {
-  rmSync(folder, {recursive: true, force: true});
-}
-process.exit(status);
+await runTests(folder, [testSignatures, testLimits, testFlights, testByLevel, testOutrun, testChecks, testBroken], makeOracle);
