@@ -20,7 +20,6 @@ lodestone_provider(OpenMeshTools "OpenMesh" openmesh libopenmesh-dev)
 lodestone_provider(glfw "glfw3" glfw3 libglfw3-dev)
 lodestone_provider(PNG::PNG "PNG" libpng libpng-dev)
 lodestone_provider(OpenEXR::OpenEXR "OpenEXR" OpenEXR libopenexr-dev)
-lodestone_provider(libjpeg-turbo::turbojpeg "libjpeg-turbo" libturbojpeg libturbojpeg0-dev)
 lodestone_provider(draco::draco "draco" draco libdraco-dev)
 lodestone_provider(meshoptimizer::meshoptimizer "meshoptimizer" -lmeshoptimizer libmeshoptimizer-dev)
 lodestone_provider(metis "" -lmetis libmetis-dev)
@@ -29,11 +28,12 @@ lodestone_provider(OpenSSL::Crypto "OpenSSL COMPONENTS Crypto" libcrypto libssl-
 lodestone_provider(tomlplusplus::tomlplusplus "tomlplusplus" tomlplusplus libtomlplusplus-dev)
 lodestone_provider(fmt::fmt "fmt" fmt libfmt-dev)
 lodestone_provider(PkgConfig::LIBWEBP "PkgConfig" libwebp "libwebp-dev;pkg-config")
+lodestone_provider(PkgConfig::TURBOJPEG "PkgConfig" libturbojpeg "libturbojpeg0-dev;pkg-config")
 lodestone_provider(PkgConfig::EPOXY "PkgConfig" epoxy "libepoxy-dev;pkg-config")
 lodestone_provider(PkgConfig::IMGUI "PkgConfig" imgui "libimgui-dev;pkg-config")
 
 # A target that pkg_check_modules(... IMPORTED_TARGET name) made is made again under the same name.
-foreach(prefix LIBWEBP EPOXY IMGUI)
+foreach(prefix LIBWEBP TURBOJPEG EPOXY IMGUI)
   set(target PkgConfig::${prefix})
   string(APPEND lodestone_find_${target}
          "\n  pkg_check_modules(${prefix} REQUIRED QUIET IMPORTED_TARGET ${lodestone_pkg_config_${target}})")
