@@ -164,14 +164,14 @@ void read_channels(ExrReader& reader, PositionMap& map, const std::string& name)
     throw InputError(describe(name, "", "has no channels X, Y and Z"));
   map.view.width = reader.width(), map.view.height = reader.height();
   const std::size_t n = map.view.pixels();
-  const auto vectors = [&](const char* x, const char* y, const char* z, std::vector<Vec3f>& to) {
+  const auto vectors = [&](const char* x, const char* y, const char* z, PixelArray<Vec3f>& to) {
     const auto vx = reader.read<float>(x), vy = reader.read<float>(y), vz = reader.read<float>(z);
     to.resize(n);
     for (std::size_t i = 0; i < n; ++i) to[i] = {vx[i], vy[i], vz[i]};
   };
   vectors("X", "Y", "Z", map.position);
-  map.triangle = reader.read<std::uint32_t>("triangle");
-  map.depth = reader.read<float>("depth");
+  map.triangle = PixelArray(reader.read<std::uint32_t>("triangle"));
+  map.depth = PixelArray(reader.read<float>("depth"));
   if (reader.has("NX") && reader.has("NY") && reader.has("NZ")) vectors("NX", "NY", "NZ", map.normal);
   if (reader.has("U") && reader.has("V")) {
     const auto u = reader.read<float>("U"), v = reader.read<float>("V");
@@ -203,7 +203,7 @@ void write_exr_map(const std::filesystem::path& path, const PositionMap& map) {
     header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
     buffer.insert(plane.name, slice(Imf::FLOAT, plane.values.data()));
   }
-  std::vector<std::uint32_t> triangles = map.triangle;
+  std::vector<std::uint32_t> triangles = map.triangle.to_vector();
   header.channels().insert("triangle", Imf::Channel(Imf::UINT));
   buffer.insert("triangle", slice(Imf::UINT, triangles.data()));
   MemoryOutput memory;

@@ -139,8 +139,8 @@ MapSet read_map_set(const std::filesystem::path& path) {
       const std::filesystem::path image = file.parent_path() / entry.at("file").get<std::string>();
       const MapView view = view_of(entry);
       check_view(view, image.string());
-      set.maps.push_back(image.extension() == ".pfm" ? read_pfm_map(image, view, transform)
-                                                     : read_exr_map(image, view, transform));
+      set.maps.push_back(without_gaps(image.extension() == ".pfm" ? read_pfm_map(image, view, transform)
+                                                                  : read_exr_map(image, view, transform)));
     }
   } catch (const Error&) {
     throw;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <span>
 
 #include "core/base/error.h"
@@ -12,7 +13,7 @@
 namespace lodestone {
 namespace {
 
-constexpr int tile_bits = 6, tile_size = 1 << tile_bits;
+constexpr int tile_bits = 6, tile_size = 1 << tile_bits, tile_pixels = tile_size * tile_size;
 constexpr std::int32_t subpixels = 256, half = subpixels / 2;
 constexpr int wide_row = 8;  // pixels: from here on divisions are faster than to look at each
 constexpr std::size_t vertex_grain = 1 << 16, triangle_grain = 1 << 16;
@@ -34,8 +35,8 @@ PixelBox box_of(const SnappedVertex& a, const SnappedVertex& b, const SnappedVer
 
 // The nearest triangles so far in the pixels of a tile.
 struct TileSight {
-  std::array<double, tile_size * tile_size> z;
-  std::array<std::uint32_t, tile_size * tile_size> triangle;
+  std::array<double, tile_pixels> z;
+  std::span<std::uint32_t, tile_pixels> triangle;
 };
 
 class MapRasterizer {
@@ -48,10 +49,17 @@ class MapRasterizer {
         columns_(static_cast<std::size_t>((view.width + tile_size - 1) >> tile_bits)),
         tiles_(columns_ * static_cast<std::size_t>((view.height + tile_size - 1) >> tile_bits)) {}
 
-  void draw(PositionMap& map) {
+  PositionMap draw(MapChannels channels) {
     snap_vertices();
     sort_into_tiles();
-    scheduler_.for_chunks(tiles_, 1, [&](ChunkRange range) { draw_tile(range.index, map); });
+    list_tiles();
+    triangle_ = std::make_unique_for_overwrite<std::uint32_t[]>(listed_tiles_.size() * tile_pixels);
+    if (!channels.surface) depth_ = std::make_unique_for_overwrite<float[]>(listed_tiles_.size() * tile_pixels);
+    PixelMarks marks(view_.width, view_.height);
+    scheduler_.for_chunks(listed_tiles_.size(), 1, [&](ChunkRange range) { draw_tile(range.index, marks); });
+    PositionMap map = empty_map(mesh_, view_, channels, marks.groups());
+    scheduler_.for_chunks(listed_tiles_.size(), 1, [&](ChunkRange range) { resolve_tile(range.index, map); });
+    return map;
   }
 
  private:
@@ -95,26 +103,49 @@ class MapRasterizer {
     });
   }
 
-  void draw_tile(std::size_t tile, PositionMap& map) const {
+  // Tiles that no triangle overlaps take neither time nor memory.
+  void list_tiles() {
+    for (std::size_t tile = 0; tile < tiles_; ++tile)
+      if (first_[tile] < first_[tile + 1]) listed_tiles_.push_back(static_cast<std::uint32_t>(tile));
+  }
+
+  [[nodiscard]] PixelBox box_of_tile(std::size_t tile) const {
     const int x0 = static_cast<int>(tile % columns_) << tile_bits, y0 = static_cast<int>(tile / columns_) << tile_bits;
-    const PixelBox rect{x0, y0, std::min(x0 + tile_size, view_.width) - 1, std::min(y0 + tile_size, view_.height) - 1};
-    TileSight sight;
+    return {x0, y0, std::min(x0 + tile_size, view_.width) - 1, std::min(y0 + tile_size, view_.height) - 1};
+  }
+  [[nodiscard]] std::span<std::uint32_t, tile_pixels> triangles_of(std::size_t place) const {
+    return std::span<std::uint32_t, tile_pixels>(triangle_.get() + place * tile_pixels, tile_pixels);
+  }
+
+  // `place`: of the tile in the list.
+  void draw_tile(std::size_t place, PixelMarks& marks) const {
+    const std::size_t tile = listed_tiles_[place];
+    const PixelBox rect = box_of_tile(tile);
+    TileSight sight{.z = {}, .triangle = triangles_of(place)};
     sight.z.fill(std::numeric_limits<double>::infinity());
-    sight.triangle.fill(no_triangle);
+    std::ranges::fill(sight.triangle, no_triangle);
     for (std::size_t k = first_[tile]; k < first_[tile + 1]; ++k) draw_triangle(listed_[k], rect, sight);
+    for (int y = rect.y0; y <= rect.y1; ++y) {
+      const std::uint32_t* row = sight.triangle.data() + static_cast<std::ptrdiff_t>(y - rect.y0) * tile_size;
+      marks.add_row(rect.x0, rect.x1 + 1, y, [&](int x) { return row[x - rect.x0] != no_triangle; });
+    }
+    if (!depth_) return;
+    std::ranges::transform(sight.z, depth_.get() + place * tile_pixels, [&](double z) {
+      return static_cast<float>(view_.projection == Projection::perspective ? -1 / z : z);
+    });
+  }
+
+  void resolve_tile(std::size_t place, PositionMap& map) const {
+    const PixelBox rect = box_of_tile(listed_tiles_[place]);
+    const auto triangle = triangles_of(place);
     for (int y = rect.y0; y <= rect.y1; ++y)
       for (int x = rect.x0; x <= rect.x1; ++x) {
-        const std::uint32_t seen = sight.triangle[static_cast<std::size_t>((y - y0) * tile_size + x - x0)];
-        if (seen == no_triangle) continue;
+        const auto own = static_cast<std::size_t>((y - rect.y0) * tile_size + x - rect.x0);
+        if (triangle[own] == no_triangle) continue;
         const std::size_t i =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x);
-        map.triangle[i] = seen;
-        if (!map.position.empty()) {
-          resolve_pixel(mesh_, i, map);
-          continue;
-        }
-        const double z = sight.z[static_cast<std::size_t>((y - y0) * tile_size + x - x0)];
-        map.depth[i] = static_cast<float>(view_.projection == Projection::perspective ? -1 / z : z);
+        map.triangle[i] = triangle[own];
+        depth_ ? void(map.depth[i] = depth_[place * tile_pixels + own]) : resolve_pixel(mesh_, i, map);
       }
   }
 
@@ -153,6 +184,9 @@ class MapRasterizer {
   std::vector<SnappedVertex> vertices_;
   std::vector<std::size_t> first_;     // of each tile in `listed_`
   std::vector<std::uint32_t> listed_;  // triangles, ascending within a tile
+  std::vector<std::uint32_t> listed_tiles_;  // those with triangles; pixels of each of them:
+  std::unique_ptr<std::uint32_t[]> triangle_;
+  std::unique_ptr<float[]> depth_;  // null: computed with the positions
 };
 
 void check_in_front(const IndexedMesh& mesh, const MapView& view) {
@@ -225,9 +259,7 @@ bool TriangleCoverage::misses(std::int64_t x0, std::int64_t y0, std::int64_t x1,
 PositionMap rasterize_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels, Scheduler& scheduler) {
   check_view(view);
   check_in_front(mesh, view);
-  PositionMap map = empty_map(mesh, view, channels);
-  MapRasterizer(mesh, view, scheduler).draw(map);
-  return map;
+  return MapRasterizer(mesh, view, scheduler).draw(channels);
 }
 
 }  // namespace lodestone

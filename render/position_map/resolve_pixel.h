@@ -67,17 +67,17 @@ inline void resolve_pixel(const IndexedMesh& mesh, std::size_t i, PositionMap& m
   }
 }
 
-// An empty map, with room for the requested channels that the mesh has.
-[[nodiscard]] inline PositionMap empty_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels) {
+// An empty map, with room for the requested channels that the mesh has in these groups.
+[[nodiscard]] inline PositionMap empty_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels,
+                                           const std::shared_ptr<const PixelGroups>& groups) {
   PositionMap map;
   map.view = view;
   map.transform = mesh.transform;
-  const std::size_t n = view.pixels();
-  map.triangle.assign(n, no_triangle);
-  map.depth.resize(n);
-  if (channels.surface) map.position.resize(n), map.normal.resize(n);
-  if (channels.uv && !mesh.wedges.uv.empty()) map.uv.resize(n);
-  if (channels.colour && !mesh.wedges.colour.empty()) map.colour.resize(n, Rgba8{0, 0, 0, 0});
+  map.triangle = PixelArray(groups, no_triangle);
+  map.depth = PixelArray<float>(groups);
+  if (channels.surface) map.position = PixelArray<Vec3f>(groups), map.normal = PixelArray<Vec3f>(groups);
+  if (channels.uv && !mesh.wedges.uv.empty()) map.uv = PixelArray<Vec2f>(groups);
+  if (channels.colour && !mesh.wedges.colour.empty()) map.colour = PixelArray(groups, Rgba8{0, 0, 0, 0});
   return map;
 }
 

@@ -12,8 +12,8 @@ namespace lodestone {
 struct DrawnMaps {
   std::vector<PositionMap> maps;
   double spacing = 0;                            // of their samples, normalised units; 0: that of the report
-  std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
-  std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
+  std::vector<PixelArray<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
+  std::vector<PixelArray<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
   bool oriented = true;                   // neighbouring triangles agree on the outside
   std::size_t most_handles = any_number;  // that the surface may have

@@ -65,7 +65,7 @@ MapView view_towards(const Box3f& box, Vec3d direction, double spacing, const Re
 }
 
 // Filled pixels may be connected with all their neighbours.
-void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, std::vector<std::uint8_t>& links) {
+void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, PixelArray<std::uint8_t>& links) {
   const auto width = static_cast<std::uint32_t>(map.view.width);
   for (const std::uint32_t i : filled) {
     links[i] = link_all;
@@ -80,7 +80,10 @@ void prepare_map(DrawnMaps& drawn, std::size_t view, const ReconstructConfig& co
   if (map.normal.empty()) estimate_normals(map);
   if (!config.extend) return;
   const std::vector<std::uint32_t> filled = extend_to_silhouette(map, config.max_slope);
+  map = without_gaps(map);  // with memory beside the filled pixels, too
   if (drawn.links[view].empty()) return;
+  drawn.links[view] = drawn.links[view].in(map.triangle);
+  drawn.vertices[view] = drawn.vertices[view].in(map.triangle);
   allow_links(map, filled, drawn.links[view]);
   for (const std::uint32_t i : filled) drawn.vertices[view][i] = map.position[i];
 }
@@ -98,7 +101,7 @@ void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfi
   const PositionMap fine = renderer.draw(finer_view(view), channels);
   CondensedMap condensed = condensed_like(fine, view);
   CondenseConfig condense_config;
-  condense_config.connect = {config.max_slope, config.slack, drawn.oriented, drawn.parts, {}};
+  condense_config.connect = {config.max_slope, config.slack, drawn.oriented, drawn.parts};
   scheduler.for_chunks(static_cast<std::size_t>(view.height), block_rows, [&](ChunkRange range) {
     condense_rows(fine, condense_config, static_cast<int>(range.begin), static_cast<int>(range.end), condensed);
   });
@@ -113,23 +116,20 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
   std::vector<MergeView> views(drawn.maps.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     views[v].map = &drawn.maps[v];
-    views[v].vertex = drawn.vertices[v];
-    views[v].links = drawn.links[v];
-    views[v].mesh.cells.resize(drawn.maps[v].view.pixels());
+    if (!drawn.vertices[v].empty()) views[v].vertex = &drawn.vertices[v];
+    if (!drawn.links[v].empty()) views[v].links = &drawn.links[v];
+    views[v].mesh.cells = drawn.maps[v].triangle.like<std::uint8_t>();
   }
   std::atomic<std::uint64_t> triangles{0}, seen{0};
   for_blocks(row_blocks(views), scheduler, [&](const RowBlock& block, std::size_t) {
     MergeView& view = views[block.view];
-    const ConnectConfig connect_config{config.max_slope, config.slack, drawn.oriented, drawn.parts,
-                                       drawn.links[block.view]};
+    const ConnectConfig connect_config{config.max_slope, config.slack, drawn.oriented, drawn.parts, view.links};
     connect_rows(*view.map, connect_config, block.first, block.last, view.mesh);
     std::uint64_t own = 0, own_seen = 0;
-    const auto width = static_cast<std::size_t>(view.map->view.width);
-    for (std::size_t i = static_cast<std::size_t>(block.first) * width;
-         i < static_cast<std::size_t>(block.last) * width; ++i) {
+    for_pixels(view, block.first, block.last, [&](std::size_t i) {
       own += static_cast<std::uint64_t>(__builtin_popcount(view.mesh.cells[i] & cell_triangles));
       own_seen += view.map->sees(i);
-    }
+    });
     triangles += own, seen += own_seen;
   });
   report.view_triangles = triangles, report.seen = seen;
@@ -332,8 +332,9 @@ DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
   for (const PositionMap& map : drawn.maps) {
     double sum = 0;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < map.depth.size(); ++i)
+    map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
       if (map.sees(i)) sum += map.depth[i], ++count;
+    });
     if (count > 0) spacings.push_back(map.view.spacing(sum / static_cast<double>(count)));
   }
   std::sort(spacings.begin(), spacings.end());

@@ -71,13 +71,13 @@ class GlMapRenderer final : public MapRenderer {
                                           " pixels is larger than its pictures",
                                       "use --backend soft or a lower resolution"));
     const Range range = depth_range(view);
-    PositionMap map = empty_map(mesh_, view, channels);
+    PositionMap map = empty_map(mesh_, view, channels, PixelGroups::all(view.pixels()));
     MapTargets targets(view.width, view.height);
     bind_state(view);
     draw_sight(view, range, targets);
     resolve(view, map, targets);
     read_back(map, targets);
-    return map;
+    return without_gaps(map);
   }
 
  private:
@@ -161,7 +161,9 @@ class GlMapRenderer final : public MapRenderer {
       glGetTextureImage(texture.name(), 0, format, type, static_cast<GLsizei>(bytes), to);
     };
     const std::size_t n = map.view.pixels();
-    read(targets.triangle, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 * n, map.triangle.data());
+    std::vector<std::uint32_t> one(n);
+    read(targets.triangle, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 * n, one.data());
+    map.triangle = PixelArray(one);
     std::vector<std::array<float, 4>> four(n);
     read(targets.position, GL_RGBA, GL_FLOAT, 16 * n, four.data());
     for (std::size_t i = 0; i < n; ++i) {
@@ -170,8 +172,16 @@ class GlMapRenderer final : public MapRenderer {
     }
     read(targets.normal, GL_RGBA, GL_FLOAT, 16 * n, four.data());
     for (std::size_t i = 0; i < n; ++i) map.normal[i] = {four[i][0], four[i][1], four[i][2]};
-    if (!map.uv.empty()) read(targets.uv, GL_RG, GL_FLOAT, 8 * n, map.uv.data());
-    if (!map.colour.empty()) read(targets.colour, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 * n, map.colour.data());
+    if (!map.uv.empty()) {
+      std::vector<Vec2f> two(n);
+      read(targets.uv, GL_RG, GL_FLOAT, 8 * n, two.data());
+      map.uv = PixelArray(two);
+    }
+    if (!map.colour.empty()) {
+      std::vector<Rgba8> colours(n);
+      read(targets.colour, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 * n, colours.data());
+      map.colour = PixelArray(colours);
+    }
   }
 
   const IndexedMesh& mesh_;

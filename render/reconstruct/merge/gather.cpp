@@ -22,11 +22,8 @@ bool is_surrounded(const CellsAround& a) {
 std::size_t width_of(const MergeView& view) { return static_cast<std::size_t>(view.map->view.width); }
 
 template <class Visit>
-void for_pixels(std::span<const MergeView> views, const RowBlock& block, const Visit& visit) {
-  const std::size_t width = width_of(views[block.view]);
-  for (std::size_t i = static_cast<std::size_t>(block.first) * width; i < static_cast<std::size_t>(block.last) * width;
-       ++i)
-    visit(i);
+void for_pixels_of(std::span<const MergeView> views, const RowBlock& block, const Visit& visit) {
+  for_pixels(views[block.view], block.first, block.last, visit);
 }
 
 }  // namespace
@@ -46,39 +43,54 @@ void for_blocks(std::span<const RowBlock> blocks, Scheduler& scheduler,
 
 namespace {
 
-// Marks pixels within one and two pixels of a border: along the rows first, then across them, from a copy, so that no
-// two tasks write to one row.
-PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> blocks, PixelFlags& flags,
-                  Scheduler& scheduler) {
-  constexpr std::uint8_t within_one = 64, within_two = 128;
-  for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
-    const std::size_t width = width_of(views[block.view]);
-    std::vector<std::uint8_t> row(width + 4, 0);
-    for (int y = block.first; y < block.last; ++y) {
-      std::uint8_t* own = flags[block.view].data() + static_cast<std::size_t>(y) * width;
-      for (std::size_t x = 0; x < width; ++x) row[x + 2] = own[x] & on_border;
-      for (std::size_t x = 0; x < width; ++x) {
+// Pixels of a few rows within one and within two pixels of a border, in a row.
+class Spread {
+ public:
+  // Rows [first, last), of which those outside of the view repeat its outermost ones.
+  Spread(const MergeView& view, const PixelArray<std::uint8_t>& flags, int first, int last)
+      : first_(first), width_(width_of(view)), near_(static_cast<std::size_t>(last - first) * width_) {
+    std::vector<std::uint8_t> row(width_ + 4, 0);
+    for (int y = first; y < last; ++y) {
+      const int real = std::clamp(y, 0, view.map->view.height - 1);
+      const std::size_t begin = static_cast<std::size_t>(real) * width_;
+      std::fill(row.begin(), row.end(), std::uint8_t{0});
+      for_pixels(view, real, real + 1, [&](std::size_t i) { row[i - begin + 2] = flags[i] & on_border; });
+      std::uint8_t* own = near_.data() + static_cast<std::size_t>(y - first) * width_;
+      for (std::size_t x = 0; x < width_; ++x) {
         const unsigned one = row[x + 1] | row[x + 2] | row[x + 3];
-        own[x] |= static_cast<std::uint8_t>((one ? within_one : 0) | (one | row[x] | row[x + 4] ? within_two : 0));
+        own[x] = static_cast<std::uint8_t>((one ? beside_border : 0) | (one | row[x] | row[x + 4] ? near_border : 0));
       }
     }
-  });
+  }
+  [[nodiscard]] const std::uint8_t* row(int y) const {
+    return near_.data() + static_cast<std::size_t>(y - first_) * width_;
+  }
+
+ private:
+  int first_;
+  std::size_t width_;
+  std::vector<std::uint8_t> near_;
+};
+
+// Marks pixels within one and two pixels of a border: along the rows first, then across them.
+PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> blocks, const PixelFlags& flags,
+                  Scheduler& scheduler) {
   PixelFlags result(flags.size());
   scheduler.for_chunks(flags.size(), 1,
-                       [&](ChunkRange range) { result[range.index].resize(flags[range.index].size()); });
+                       [&](ChunkRange range) { result[range.index] = flags[range.index].like<std::uint8_t>(); });
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
-    const int width = static_cast<int>(width_of(views[block.view])), height = views[block.view].map->view.height;
-    const auto row = [&](int y) {
-      return flags[block.view].data() + static_cast<std::ptrdiff_t>(std::clamp(y, 0, height - 1)) * width;
-    };
+    const PixelArray<std::uint8_t>& own = flags[block.view];
+    const Spread rows(views[block.view], own, block.first - 2, block.last + 2);
     for (int y = block.first; y < block.last; ++y) {
-      const std::uint8_t *a = row(y - 2), *b = row(y - 1), *own = row(y), *c = row(y + 1), *d = row(y + 2);
-      std::uint8_t* to = result[block.view].data() + static_cast<std::ptrdiff_t>(y) * width;
-      for (int x = 0; x < width; ++x) {
-        const unsigned one = b[x] | own[x] | c[x], two = one | a[x] | d[x];
-        to[x] = static_cast<std::uint8_t>((own[x] & (on_border | on_rim)) | (one & within_one ? beside_border : 0) |
-                                          (two & within_two ? near_border : 0));
-      }
+      const std::size_t begin = static_cast<std::size_t>(y) * width_of(views[block.view]);
+      const std::uint8_t *a = rows.row(y - 2), *b = rows.row(y - 1), *c = rows.row(y), *d = rows.row(y + 1),
+                         *e = rows.row(y + 2);
+      for_pixels(views[block.view], y, y + 1, [&](std::size_t i) {
+        const std::size_t x = i - begin;
+        const unsigned one = b[x] | c[x] | d[x], two = one | a[x] | e[x];
+        result[block.view][i] = static_cast<std::uint8_t>((own[i] & (on_border | on_rim)) | (one & beside_border) |
+                                                          (two & near_border));
+      });
     }
   });
   return result;
@@ -88,12 +100,12 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
 
 PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) {
   PixelFlags flags(views.size());
-  scheduler.for_chunks(views.size(), 1,
-                       [&](ChunkRange range) { flags[range.index].resize(views[range.index].kept.size()); });
+  scheduler.for_chunks(
+      views.size(), 1, [&](ChunkRange range) { flags[range.index] = views[range.index].kept.like<std::uint8_t>(); });
   const std::vector<RowBlock> blocks = row_blocks(views);
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const MergeView& view = views[block.view];
-    for_pixels(views, block, [&](std::size_t i) {
+    for_pixels_of(views, block, [&](std::size_t i) {
       const std::size_t width = width_of(view);
       const CellsAround kept = cells_around(view.kept, i, width);
       if (!is_vertex(kept) || is_surrounded(kept)) return;
@@ -140,7 +152,7 @@ class Gatherer {
         case 4:
           return result.beside.resize(all.beside_triangles);
         default:
-          return number_[range.index - 5].resize(views_[range.index - 5].map->view.pixels());
+          number_[range.index - 5] = views_[range.index - 5].map->triangle.like<std::uint32_t>();
       }
     });
     for_blocks(blocks_, scheduler_, [&](const RowBlock& b, std::size_t k) { take_vertices(b, first_[k], mesh); });
@@ -156,13 +168,13 @@ class Gatherer {
     const unsigned flag = flags_.empty() ? 0 : flags_[view][i];
     return flag & beside_border ? amounts.beside : flag & near_border ? amounts.frozen : amounts.far;
   }
-  [[nodiscard]] const std::vector<std::uint8_t>& cells_of(std::size_t view) const { return cells_(views_[view]); }
+  [[nodiscard]] const PixelArray<std::uint8_t>& cells_of(std::size_t view) const { return cells_(views_[view]); }
 
   template <class Visit>
   void for_triangles(const RowBlock& block, const Visit& visit) const {
     const auto& cells = cells_of(block.view);
     const auto width = static_cast<std::uint32_t>(width_of(views_[block.view]));
-    for_pixels(views_, block, [&](std::size_t i) {
+    for_pixels_of(views_, block, [&](std::size_t i) {
       if (cells[i] == 0) return;
       for_triangles_of_cell(
           cells[i], static_cast<std::uint32_t>(i), width, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -175,7 +187,7 @@ class Gatherer {
     first_.resize(blocks_.size());
     for_blocks(blocks_, scheduler_, [&](const RowBlock& block, std::size_t k) {
       Amounts own;
-      for_pixels(views_, block, [&](std::size_t i) {
+      for_pixels_of(views_, block, [&](std::size_t i) {
         if (is_vertex(cells_around(cells_of(block.view), i, width_of(views_[block.view]))))
           ++count_of(block.view, i, own);
       });
@@ -194,12 +206,12 @@ class Gatherer {
 
   void take_vertices(const RowBlock& block, Amounts next, MergedMesh& mesh) {
     const MergeView& view = views_[block.view];
-    for_pixels(views_, block, [&](std::size_t i) {
+    for_pixels_of(views_, block, [&](std::size_t i) {
       if (!is_vertex(cells_around(cells_of(block.view), i, width_of(view)))) return;
       const std::size_t v = count_of(block.view, i, next)++;
       number_[block.view][i] = static_cast<std::uint32_t>(v);
-      mesh.position[v] = view.vertex.empty() ? view.map->position[i] : view.vertex[i];
-      mesh.feature[v] = !view.links.empty() && (view.links[i] & on_feature) != 0;
+      mesh.position[v] = view.vertex ? (*view.vertex)[i] : view.map->position[i];
+      mesh.feature[v] = view.links != nullptr && ((*view.links)[i] & on_feature) != 0;
       mesh.normal[v] = view.map->normal[i];
       mesh.view[v] = static_cast<ViewNumber>(block.view);
       mesh.pixel[v] = static_cast<std::uint32_t>(i);
@@ -220,7 +232,7 @@ class Gatherer {
   Scheduler& scheduler_;
   std::vector<RowBlock> blocks_;
   std::vector<Amounts> first_;
-  std::vector<std::vector<std::uint32_t>> number_;  // of each view's pixels; not set if a pixel is not a vertex
+  std::vector<PixelArray<std::uint32_t>> number_;  // of each view's pixels; not set if a pixel is not a vertex
 };
 
 }  // namespace

@@ -21,14 +21,14 @@ void for_blocks(std::span<const RowBlock> blocks, Scheduler& scheduler,
                 const std::function<void(const RowBlock&, std::size_t)>& body);
 
 // Which of a view's cells are meant: all that are connected, or those it keeps.
-using CellChoice = const std::vector<std::uint8_t>& (*)(const MergeView&);
-[[nodiscard]] inline const std::vector<std::uint8_t>& all_cells(const MergeView& v) { return v.mesh.cells; }
-[[nodiscard]] inline const std::vector<std::uint8_t>& kept_cells(const MergeView& v) { return v.kept; }
+using CellChoice = const PixelArray<std::uint8_t>& (*)(const MergeView&);
+[[nodiscard]] inline const PixelArray<std::uint8_t>& all_cells(const MergeView& v) { return v.mesh.cells; }
+[[nodiscard]] inline const PixelArray<std::uint8_t>& kept_cells(const MergeView& v) { return v.kept; }
 
 // Flags of each pixel of each view: it is a vertex on a border of its view's piece; that border is also the outline of
 // the view; it is within a pixel of a border; within two.
 enum PixelFlagBits : std::uint8_t { beside_border = 1, on_border = 2, on_rim = 4, near_border = 8 };
-using PixelFlags = std::vector<std::vector<std::uint8_t>>;
+using PixelFlags = std::vector<PixelArray<std::uint8_t>>;
 [[nodiscard]] PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler);
 
 // Vertices of the triangles of the cells, in the order of views and pixels, and the triangles. With flags, the surface

@@ -10,15 +10,15 @@ constexpr unsigned left_edge = cell_prs | cell_prq, right_edge = cell_psq | cell
 
 // The triangles of one cell share its diagonal, so that cells are what hangs together. Returns how many triangles each
 // patch has.
-std::vector<std::uint32_t> label_view(const MergeView& view, std::vector<std::uint32_t>& label) {
+std::vector<std::uint32_t> label_view(const MergeView& view, PixelArray<std::uint32_t>& label) {
   const auto width = static_cast<std::size_t>(view.map->view.width);
-  const std::vector<std::uint8_t>& cells = view.kept;
-  label.resize(cells.size());
+  const PixelArray<std::uint8_t>& cells = view.kept;
+  label = cells.like<std::uint32_t>();
   DisjointSets runs;  // of cells in a row
   std::vector<std::uint32_t> size;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
+  cells.groups().for_pixels(0, cells.size(), [&](std::size_t i) {
     const unsigned cell = cells[i];
-    if (cell == 0) continue;
+    if (cell == 0) return;
     const bool goes_on = i % width > 0 && (cell & left_edge) && (cells[i - 1] & right_edge);
     if (goes_on)
       label[i] = label[i - 1];
@@ -26,7 +26,7 @@ std::vector<std::uint32_t> label_view(const MergeView& view, std::vector<std::ui
       label[i] = runs.add(), size.push_back(0);
     size[label[i]] += static_cast<std::uint32_t>(__builtin_popcount(cell & cell_triangles));
     if (i >= width && (cell & upper_edge) && (cells[i - width] & lower_edge)) runs.unite(label[i], label[i - width]);
-  }
+  });
   std::vector<std::uint32_t> number(runs.size()), triangles;
   for (std::uint32_t run = 0; run < number.size(); ++run) {
     const std::uint32_t root = runs.find(run);  // not after the run
@@ -37,8 +37,9 @@ std::vector<std::uint32_t> label_view(const MergeView& view, std::vector<std::ui
     number[run] = number[root];
     triangles[number[run]] += size[run];
   }
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  cells.groups().for_pixels(0, cells.size(), [&](std::size_t i) {
     if (cells[i]) label[i] = number[label[i]];
+  });
   return triangles;
 }
 
@@ -57,7 +58,8 @@ Patches label_patches(std::span<const MergeView> views, Scheduler& scheduler) {
     patches.triangles.insert(patches.triangles.end(), sizes[v].begin(), sizes[v].end());
   }
   scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {
-    for (std::uint32_t& label : patches.of_cell[range.index]) label += first[range.index];
+    PixelArray<std::uint32_t>& label = patches.of_cell[range.index];
+    label.groups().for_pixels(0, label.size(), [&](std::size_t i) { label[i] += first[range.index]; });
   });
   return patches;
 }

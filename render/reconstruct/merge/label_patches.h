@@ -11,7 +11,7 @@
 namespace lodestone {
 
 struct Patches {
-  std::vector<std::vector<std::uint32_t>> of_cell;  // of each view's cells; anything where nothing is kept
+  std::vector<PixelArray<std::uint32_t>> of_cell;  // of each view's cells; anything where nothing is kept
   std::vector<std::uint32_t> triangles;             // of each patch, how many
 };
 

@@ -11,10 +11,10 @@ namespace {
 
 void score_views(std::span<MergeView> views, const OwnershipConfig& config, Scheduler& scheduler) {
   const std::vector<RowBlock> blocks = row_blocks(views);
-  std::vector<std::vector<float>> before(views.size());
+  std::vector<PixelArray<float>> before(views.size());
   scheduler.for_chunks(2 * views.size(), 1, [&](ChunkRange range) {
     const std::size_t v = range.index / 2;
-    (range.index % 2 == 0 ? views[v].score : before[v]).resize(views[v].map->view.pixels());
+    (range.index % 2 == 0 ? views[v].score : before[v]) = views[v].map->triangle.like<float>();
   });
   for_blocks(blocks, scheduler, [&](const RowBlock& b, std::size_t) {
     score_rows(views[b.view], config, b.first, b.last, views[b.view].score);
@@ -36,8 +36,8 @@ std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config,
   const std::vector<RowBlock> blocks = row_blocks(views);
   scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {
     MergeView& view = views[range.index];
-    view.owner.resize(view.map->view.pixels());
-    view.kept.resize(view.map->view.pixels());
+    view.owner = view.map->triangle.like<ViewNumber>(no_view);
+    view.kept = view.map->triangle.like<std::uint8_t>();
   });
   for_blocks(blocks, scheduler,
              [&](const RowBlock& b, std::size_t) { own_rows(views, b.view, config, b.first, b.last); });

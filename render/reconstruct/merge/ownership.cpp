@@ -20,7 +20,7 @@ bool has_two(std::uint8_t cell) {
 }
 
 // True if triangles surround a pixel.
-bool is_inside(const std::vector<std::uint8_t>& cells, std::size_t i, std::size_t width) {
+bool is_inside(const PixelArray<std::uint8_t>& cells, std::size_t i, std::size_t width) {
   return i > width && has_two(cells[i]) && has_two(cells[i - 1]) && has_two(cells[i - width]) &&
          has_two(cells[i - width - 1]);
 }
@@ -57,12 +57,12 @@ ViewNumber owner_of(std::span<const MergeView> views, std::size_t number, std::s
 
 }  // namespace
 
-void score_rows(const MergeView& view, const OwnershipConfig& config, int first, int last, std::span<float> score) {
+void score_rows(const MergeView& view, const OwnershipConfig& config, int first, int last, PixelArray<float>& score) {
   const PositionMap& map = *view.map;
   const auto width = static_cast<std::size_t>(map.view.width);
-  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
+  for_pixels(view, first, last, [&](std::size_t i) {
     score[i] = 0;
-    if (!map.sees(i)) continue;
+    if (!map.sees(i)) return;
     const Vec3d p = to_double(map.position[i]);
     const double facing = dot(to_double(map.normal[i]), towards_eye(map.view, p));
     const double relative = map.view.spacing(map.view.depth(p)) / config.reference_spacing;
@@ -72,16 +72,17 @@ void score_rows(const MergeView& view, const OwnershipConfig& config, int first,
         is_inside(view.mesh.cells, i, width) || (config.border != nullptr && config.border->is_near(map.position[i]));
     const double border = is_whole ? 1 : 0.02;
     score[i] = static_cast<float>(border * side * std::max(std::abs(facing), 0.02) / (relative * relative));
-  }
+  });
 }
 
-void spread_rows(const MergeView& view, int first, int last, std::span<const float> from, std::span<float> to) {
+void spread_rows(const MergeView& view, int first, int last, const PixelArray<float>& from, PixelArray<float>& to) {
   const std::size_t width = static_cast<std::size_t>(view.map->view.width),
                     height = static_cast<std::size_t>(view.map->view.height);
-  const std::vector<std::uint8_t>& cells = view.mesh.cells;
-  for (auto y = static_cast<std::size_t>(first); y < static_cast<std::size_t>(last); ++y)
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t i = y * width + x;
+  const PixelArray<std::uint8_t>& cells = view.mesh.cells;
+  for (int y = first; y < last; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * width;
+    for_pixels(view, y, y + 1, [&](std::size_t i) {
+      const std::size_t x = i - row;
       float sum = 2 * from[i], weight = 2;
       const auto add = [&](bool connected, std::size_t other) {
         sum += connected ? from[other] : 0, weight += connected ? 1.0f : 0.0f;
@@ -94,7 +95,8 @@ void spread_rows(const MergeView& view, int first, int last, std::span<const flo
       if (y > 0)
         add((above & (cell_prs | cell_prq)) || (x > 0 && (cells[i - width - 1] & (cell_psq | cell_rsq))), i - width);
       to[i] = sum / weight;
-    }
+    });
+  }
 }
 
 float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel, const OwnershipConfig& config,
@@ -142,31 +144,30 @@ float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel
 
 void own_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first, int last) {
   MergeView& view = views[number];
-  const auto width = static_cast<std::size_t>(view.map->view.width);
-  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i)
+  for_pixels(view, first, last, [&](std::size_t i) {
     view.owner[i] = view.map->sees(i) ? owner_of(views, number, i, config) : no_view;
+  });
 }
 
 void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first,
                       int last) {
   MergeView& view = views[number];
   const PositionMap& map = *view.map;
-  const auto width = static_cast<std::size_t>(map.view.width);
-  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
+  for_pixels(view, first, last, [&](std::size_t i) {
     const ViewNumber owner = view.owner[i];
-    if (owner == no_view) continue;
+    if (owner == no_view) return;
     const float score = owner == number ? view.score[i] : score_at(views[owner], map, i, config);
     if (score < 0) view.owner[i] = owner_of(views, number, i, config);
-  }
+  });
 }
 
 void keep_rows(MergeView& view, std::size_t number, int first, int last) {
   const auto width = static_cast<std::size_t>(view.map->view.width);
   const auto own = [&](std::size_t i) { return view.owner[i] == number; };
-  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
+  for_pixels(view, first, last, [&](std::size_t i) {
     const std::uint8_t cell = view.mesh.cells[i];
     view.kept[i] = 0;
-    if (cell == 0) continue;
+    if (cell == 0) return;
     const bool p = own(i), q = own(i + 1), r = own(i + width), s = own(i + width + 1);
     unsigned lost = 0;
     if (!(p && r && s)) lost |= cell_prs;
@@ -175,17 +176,17 @@ void keep_rows(MergeView& view, std::size_t number, int first, int last) {
     if (!(r && s && q)) lost |= cell_rsq;
     const unsigned left = cell & ~lost;
     view.kept[i] = left & cell_triangles ? static_cast<std::uint8_t>(left) : std::uint8_t{0};
-  }
+  });
 }
 
 std::size_t drop_lone_rows(MergeView& view, std::size_t number, int first, int last) {
   const auto width = static_cast<std::size_t>(view.map->view.width);
   std::size_t dropped = 0;
-  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
-    if (view.owner[i] != number || is_vertex(cells_around(view.kept, i, width))) continue;
+  for_pixels(view, first, last, [&](std::size_t i) {
+    if (view.owner[i] != number || is_vertex(cells_around(view.kept, i, width))) return;
     view.score[i] = -1;
     ++dropped;
-  }
+  });
   return dropped;
 }
 

@@ -33,18 +33,25 @@ inline constexpr ViewNumber no_view = 0xFFFF;
 // A view as the merge sees it.
 struct MergeView {
   const PositionMap* map = nullptr;
-  std::span<const Vec3f> vertex{};        // position of each pixel's vertex; empty: that of the map
-  std::span<const std::uint8_t> links{};  // on_feature (condense_map.h), or empty
+  const PixelArray<Vec3f>* vertex = nullptr;        // position of each pixel's vertex; null: that of the map
+  const PixelArray<std::uint8_t>* links = nullptr;  // on_feature (condense_map.h), or null
   ViewMesh mesh;
-  std::vector<float> score;        // one per pixel; below 0: not to be owned by this view
-  std::vector<ViewNumber> owner;   // one per pixel; no_view where nothing is seen
-  std::vector<std::uint8_t> kept;  // cells of which only the triangles are left that this view owns
+  PixelArray<float> score;        // one per pixel; below 0: not to be owned by this view
+  PixelArray<ViewNumber> owner;   // one per pixel; no_view where nothing is seen
+  PixelArray<std::uint8_t> kept;  // cells of which only the triangles are left that this view owns
 };
 
+// Calls visit(i) for the pixels of rows [first, last) of the view that have memory.
+template <class Visit>
+void for_pixels(const MergeView& view, int first, int last, const Visit& visit) {
+  const auto width = static_cast<std::size_t>(view.map->view.width);
+  view.map->groups().for_pixels(static_cast<std::size_t>(first) * width, static_cast<std::size_t>(last) * width, visit);
+}
+
 // Before spreading, for rows [first, last) of the score.
-void score_rows(const MergeView& view, const OwnershipConfig& config, int first, int last, std::span<float> score);
+void score_rows(const MergeView& view, const OwnershipConfig& config, int first, int last, PixelArray<float>& score);
 // One round of averaging, from `from` to `to`.
-void spread_rows(const MergeView& view, int first, int last, std::span<const float> from, std::span<float> to);
+void spread_rows(const MergeView& view, int first, int last, const PixelArray<float>& from, PixelArray<float>& to);
 
 // A view's interpolated score at a point that another map sees; negative if its mesh is not at the point, or its score
 // is not above `least`.

@@ -53,38 +53,31 @@ void FreeSpace::find_backs(Scheduler& scheduler) {
   sides_.resize(maps_.size());
   scheduler.for_chunks(maps_.size(), 1, [&](ChunkRange range) {
     const PositionMap& map = maps_[range.index];
-    std::vector<Side>& sides = sides_[range.index];
-    sides.resize(map.view.pixels(), Side::front);
-    for (std::size_t i = 0; i < map.view.pixels(); ++i)
+    PixelArray<Side>& sides = sides_[range.index];
+    sides = map.triangle.like(Side::front);
+    map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
       if (map.sees(i) && is_seen_from_behind(map, i)) sides[i] = Side::back;
+    });
   });
 }
 
 void FreeSpace::find_holes(Scheduler& scheduler) {
   std::vector<std::array<std::uint32_t, 2>> pixels(std::size_t{places} * places * places);  // fronts, backs
   for (std::size_t v = 0; v < maps_.size(); ++v)
-    for (std::size_t i = 0; i < maps_[v].view.pixels(); ++i)
+    maps_[v].groups().for_pixels(0, maps_[v].view.pixels(), [&](std::size_t i) {
       if (maps_[v].sees(i)) ++pixels[place_of(maps_[v].position[i])][sides_[v][i] == Side::back];
+    });
   std::array<double, 2> sum{};
   for (const auto& own : pixels) sum[0] += own[0], sum[1] += own[1];
   if (sum[1] >= most_backs * (sum[0] + sum[1])) return;
   scheduler.for_chunks(maps_.size(), 1, [&](ChunkRange range) {
     const PositionMap& map = maps_[range.index];
-    for (std::size_t i = 0; i < map.view.pixels(); ++i) {
-      if (sides_[range.index][i] != Side::back) continue;
+    map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
+      if (sides_[range.index][i] != Side::back) return;
       const auto [fronts, backs] = pixels[place_of(map.position[i])];
       if (backs <= inside_out * (static_cast<double>(fronts) + backs)) sides_[range.index][i] = Side::back_through_hole;
-    }
+    });
   });
-}
-
-// Normal of what a pixel sees, on the side of the eye; zero where the triangle has none.
-Vec3f FreeSpace::normal_towards_eye(const PositionMap& map, std::size_t pixel) const {
-  return sees_back(map, pixel) ? -1.0f * map.normal[pixel] : map.normal[pixel];
-}
-
-bool FreeSpace::is_back(const PositionMap& map, std::size_t pixel) const {
-  return side_of(map, pixel) == Side::back_through_hole;
 }
 
 void FreeSpace::make_levels(std::size_t view) {
@@ -105,7 +98,7 @@ void FreeSpace::make_levels(std::size_t view) {
   for (int y = 0; y < map.view.height; ++y)
     for (int x = 0; x < map.view.width; ++x) {
       const std::size_t i = index_of(map, x, y);
-      const float depth = !map.sees(i) ? infinitely_far : is_back(map, i) ? 0.0f : map.depth[i];
+      const float depth = !map.sees(i) ? infinitely_far : is_back(view, i) ? 0.0f : map.depth[i];
       put(levels[0], x / base_side, y / base_side, {depth, depth});
     }
   while (levels.back().width > 1 || levels.back().height > 1) {
@@ -174,7 +167,8 @@ FreeSpace::State FreeSpace::classify(const Box3f& box, std::vector<ViewNumber>& 
   return views.empty() ? State::solid : State::mixed;
 }
 
-double FreeSpace::distance_in(const PositionMap& map, Vec3d p) const {
+double FreeSpace::distance_in(std::size_t view, Vec3d p) const {
+  const PositionMap& map = maps_[view];
   const WindowPoint w = to_window(map.view, p);
   const double fx = std::floor(w.x - 0.5), fy = std::floor(w.y - 0.5);
   if (fx < -1 || fy < -1 || fx >= map.view.width || fy >= map.view.height) return reach_;
@@ -185,11 +179,11 @@ double FreeSpace::distance_in(const PositionMap& map, Vec3d p) const {
     for (int x = std::max(x0, 0); x <= std::min(x0 + 1, map.view.width - 1); ++x) {
       const std::size_t i = index_of(map, x, y);
       if (!map.sees(i)) continue;
-      if (is_back(map, i)) return -reach_;
+      if (is_back(view, i)) return -reach_;
       const double before = double{map.depth[i]} - w.depth;
       if (before > reach_ + farthest) continue;
       if (before < -reach_ - farthest) return -reach_;
-      const Vec3f n = normal_towards_eye(map, i);
+      const Vec3f n = normal_towards_eye(view, i);
       const bool plane = n.x != 0 || n.y != 0 || n.z != 0;
       const double off = plane ? dot(p - to_double(map.position[i]), to_double(n)) : before;
       least = std::min({least, off, before + farthest});
@@ -200,7 +194,7 @@ double FreeSpace::distance_in(const PositionMap& map, Vec3d p) const {
 double FreeSpace::distance(Vec3d p, std::span<const ViewNumber> views) const {
   double best = -reach_;
   for (const ViewNumber v : views) {
-    best = std::max(best, distance_in(maps_[v], p));
+    best = std::max(best, distance_in(v, p));
     if (best >= reach_) break;
   }
   return best;
@@ -214,10 +208,10 @@ SurfaceHit FreeSpace::nearest(Vec3d p, std::span<const ViewNumber> views) const 
     const WindowPoint w = to_window(map.view, p);
     if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) continue;
     const std::size_t i = index_of(map, static_cast<int>(w.x), static_cast<int>(w.y));
-    if (!map.sees(i) || is_back(map, i)) continue;
+    if (!map.sees(i) || is_back(v, i)) continue;
     const Vec3d away = p - to_double(map.position[i]);
     if (dot(away, away) > reach_ * reach_) continue;
-    const Vec3f n = normal_towards_eye(map, i);
+    const Vec3f n = normal_towards_eye(v, i);
     const double facing = dot(to_double(n), towards_eye(map.view, p)), off = dot(away, to_double(n));
     if (!(facing > 0)) continue;
     // The plane that passes nearest, and of those the one that its view samples most densely.

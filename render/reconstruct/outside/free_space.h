@@ -39,8 +39,10 @@ class FreeSpace {
   // Distance of a point from the border of the free space, in [-reach, reach], by these views; positive: it is free.
   [[nodiscard]] double distance(Vec3d p, std::span<const ViewNumber> views) const;
   [[nodiscard]] SurfaceHit nearest(Vec3d p, std::span<const ViewNumber> views) const;
-  // True if a pixel of one of the maps sees the back of the surface through a hole.
-  [[nodiscard]] bool is_back(const PositionMap& map, std::size_t pixel) const;
+  // True if a pixel of a map sees the back of the surface through a hole.
+  [[nodiscard]] bool is_back(std::size_t view, std::size_t pixel) const {
+    return sides_[view][pixel] == Side::back_through_hole;
+  }
   [[nodiscard]] std::span<const PositionMap> maps() const { return maps_; }
 
  private:
@@ -57,21 +59,19 @@ class FreeSpace {
   enum class Side : std::uint8_t { front, back, back_through_hole };
   void find_backs(Scheduler& scheduler);
   void find_holes(Scheduler& scheduler);
-  [[nodiscard]] bool sees_back(const PositionMap& map, std::size_t pixel) const {
-    return side_of(map, pixel) != Side::front;
+  // Normal of what a pixel sees, on the side of the eye; zero where the triangle has none.
+  [[nodiscard]] Vec3f normal_towards_eye(std::size_t view, std::size_t pixel) const {
+    const Vec3f normal = maps_[view].normal[pixel];
+    return sides_[view][pixel] == Side::front ? normal : -1.0f * normal;
   }
-  [[nodiscard]] Side side_of(const PositionMap& map, std::size_t pixel) const {
-    return sides_[static_cast<std::size_t>(&map - maps_.data())][pixel];
-  }
-  [[nodiscard]] Vec3f normal_towards_eye(const PositionMap& map, std::size_t pixel) const;
   void make_levels(std::size_t view);
   [[nodiscard]] Footprint footprint(const MapView& view, const Box3f& box) const;
   [[nodiscard]] Range depths_in(std::size_t view, const Footprint& print) const;
-  [[nodiscard]] double distance_in(const PositionMap& map, Vec3d p) const;
+  [[nodiscard]] double distance_in(std::size_t view, Vec3d p) const;
 
   std::span<const PositionMap> maps_;
   double reach_;
-  std::vector<std::vector<Side>> sides_;    // of each map
+  std::vector<PixelArray<Side>> sides_;     // of each map
   std::vector<std::vector<Level>> levels_;  // of each map; empty: not used
 };
 

@@ -238,8 +238,9 @@ void keep_hulls(MergedMesh& mesh, double smallest, ShellReport& report) {
 MergedMesh make_shell(std::span<const PositionMap> maps, double spacing, ShellReport& report, Scheduler& scheduler) {
   Box3f box;
   for (const PositionMap& map : maps)
-    for (std::size_t i = 0; i < map.position.size(); ++i)
+    map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
       if (map.sees(i)) box.extend(map.position[i]);
+    });
   if (box.empty()) return {};
   const FreeSpace space(maps, 1.5 * spacing, scheduler);
   const ShellGrid grid(space, box, spacing, scheduler);

@@ -131,11 +131,12 @@ void ShellGrid::find_sheets(Scheduler& scheduler) {
   scheduler.for_chunks(maps.size(), 1, [&](ChunkRange range) {
     const PositionMap& map = maps[range.index];
     if (map.view.nearest > 0) return;
-    for (std::size_t i = 0; i < map.view.pixels(); ++i)
-      if (map.sees(i) && !space_.is_back(map, i))
-        if (const auto p = sheet_point(map, i))
-          found[range.index].push_back(
-              {number(*p), static_cast<ViewNumber>(range.index), static_cast<std::uint32_t>(i)});
+    map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
+      if (!map.sees(i) || space_.is_back(range.index, i)) return;
+      if (const auto p = sheet_point(map, i))
+        found[range.index].push_back(
+            {number(*p), static_cast<ViewNumber>(range.index), static_cast<std::uint32_t>(i)});
+    });
   });
   for (const auto& own : found) sheets_.insert(sheets_.end(), own.begin(), own.end());
   std::stable_sort(sheets_.begin(), sheets_.end(),

@@ -40,13 +40,17 @@ class Planes {
   Vec3f rhs_;
 };
 
+std::size_t index_in(const PositionMap& map, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(x);
+}
+
 class Condenser {
  public:
   Condenser(const PositionMap& fine, const CondenseConfig& config, CondensedMap& result)
       : fine_(fine), config_(config), result_(result) {}
 
   void pixel(int x, int y) const {
-    const std::size_t i = index(result_.map, x, y), f = index(fine_, 2 * x, 2 * y);
+    const std::size_t i = index_in(result_.map, x, y), f = index_in(fine_, 2 * x, 2 * y);
     copy(f, i);
     result_.links[i] = static_cast<std::uint8_t>(
         (linked(2 * x, 2 * y, 1, 0) ? link_right : 0) | (linked(2 * x, 2 * y, 0, 1) ? link_down : 0) |
@@ -58,9 +62,6 @@ class Condenser {
   }
 
  private:
-  [[nodiscard]] static std::size_t index(const PositionMap& map, int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(x);
-  }
   [[nodiscard]] bool holds(int x, int y) const {
     return x >= 0 && y >= 0 && x < fine_.view.width && y < fine_.view.height;
   }
@@ -78,19 +79,19 @@ class Condenser {
   // True if the surface continues from (x, y) over the finer pixel next to it to the next one of the result.
   [[nodiscard]] bool linked(int x, int y, int dx, int dy) const {
     if (!holds(x, y) || !holds(x + 2 * dx, y + 2 * dy)) return false;
-    const std::size_t a = index(fine_, x, y), b = index(fine_, x + dx, y + dy),
-                      c = index(fine_, x + 2 * dx, y + 2 * dy);
+    const std::size_t a = index_in(fine_, x, y), b = index_in(fine_, x + dx, y + dy),
+                      c = index_in(fine_, x + 2 * dx, y + 2 * dy);
     return fine_.sees(a) && fine_.sees(b) && fine_.sees(c) && are_connected(fine_, config_.connect, a, b, dx, dy) &&
            are_connected(fine_, config_.connect, b, c, dx, dy);
   }
 
   // Mean normal of the pixel and its neighbours that are not across a crease.
   [[nodiscard]] Vec3f mean_normal(int x, int y) const {
-    const Vec3f own = fine_.normal[index(fine_, x, y)];
+    const Vec3f own = fine_.normal[index_in(fine_, x, y)];
     Vec3f sum = 2.0f * own;
     for (const Step& s : steps) {
       if (!holds(x + s.dx, y + s.dy)) continue;
-      const std::size_t i = index(fine_, x + s.dx, y + s.dy);
+      const std::size_t i = index_in(fine_, x + s.dx, y + s.dy);
       if (fine_.sees(i) && dot(fine_.normal[i], own) > config_.crease_cosine) sum = sum + fine_.normal[i];
     }
     const float norm = length(sum);
@@ -98,14 +99,14 @@ class Condenser {
   }
 
   void place(std::size_t i, int x, int y) const {
-    const std::size_t own = index(fine_, x, y);
+    const std::size_t own = index_in(fine_, x, y);
     const Vec3f first = fine_.position[own], normal = fine_.normal[own];
     Planes planes;
     planes.add(normal, {}, 1);
     bool feature = false;
     for (const Step& s : steps) {
       if (!holds(x + s.dx, y + s.dy)) continue;
-      const std::size_t k = index(fine_, x + s.dx, y + s.dy);
+      const std::size_t k = index_in(fine_, x + s.dx, y + s.dy);
       if (!fine_.sees(k) || !are_connected(fine_, config_.connect, own, k, s.dx, s.dy)) continue;
       planes.add(fine_.normal[k], fine_.position[k] - first, 1);
       feature |= dot(fine_.normal[k], normal) < config_.crease_cosine;
@@ -140,18 +141,28 @@ CondensedMap condensed_like(const PositionMap& fine, const MapView& view) {
   PositionMap& map = result.map;
   map.view = view;
   map.transform = fine.transform;
-  const std::size_t n = view.pixels();
-  map.position.resize(n), map.triangle.resize(n), map.depth.resize(n), map.normal.resize(n);
-  map.uv.resize(fine.uv.empty() ? 0 : n), map.colour.resize(fine.colour.empty() ? 0 : n);
-  result.links.resize(n);
-  result.vertex.resize(n);
+  PixelMarks marks(view.width, view.height);
+  for (int y = 0; y < view.height; ++y)
+    marks.add_row(0, view.width, y, [&](int x) { return fine.sees(index_in(fine, 2 * x, 2 * y)); });
+  const auto groups = marks.groups();
+  map.triangle = PixelArray(groups, no_triangle);
+  map.position = PixelArray<Vec3f>(groups), map.depth = PixelArray<float>(groups);
+  map.normal = PixelArray<Vec3f>(groups);
+  if (!fine.uv.empty()) map.uv = PixelArray<Vec2f>(groups);
+  if (!fine.colour.empty()) map.colour = PixelArray(groups, Rgba8{0, 0, 0, 0});
+  result.links = PixelArray<std::uint8_t>(groups);
+  result.vertex = PixelArray<Vec3f>(groups);
   return result;
 }
 
 void condense_rows(const PositionMap& fine, const CondenseConfig& config, int first, int last, CondensedMap& result) {
   const Condenser condenser(fine, config, result);
-  for (int y = first; y < last; ++y)
-    for (int x = 0; x < result.map.view.width; ++x) condenser.pixel(x, y);
+  const auto width = static_cast<std::size_t>(result.map.view.width);
+  for (int y = first; y < last; ++y) {
+    const std::size_t begin = static_cast<std::size_t>(y) * width;
+    result.map.groups().for_pixels(begin, begin + width,
+                                   [&](std::size_t i) { condenser.pixel(static_cast<int>(i - begin), y); });
+  }
 }
 
 }  // namespace lodestone

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "render/reconstruct/views/view_mesh.h"
 
@@ -30,8 +29,8 @@ struct CondenseConfig {
 
 struct CondensedMap {
   PositionMap map;
-  std::vector<std::uint8_t> links;  // LinkBits, and on_feature where a vertex was put on an edge or a corner
-  std::vector<Vec3f> vertex;        // normalised model space
+  PixelArray<std::uint8_t> links;  // LinkBits, and on_feature where a vertex was put on an edge or a corner
+  PixelArray<Vec3f> vertex;        // normalised model space
 };
 
 inline constexpr std::uint8_t on_feature = 16;

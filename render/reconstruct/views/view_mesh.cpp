@@ -40,7 +40,15 @@ class CornerReader {
   void read_row(int y, std::vector<Corner>& row) const {
     const auto width = static_cast<std::size_t>(map_.view.width);
     row.resize(width);
-    for (std::size_t x = 0; x < width; ++x) row[x] = read(static_cast<std::size_t>(y) * width + x);
+    const std::size_t first = static_cast<std::size_t>(y) * width;
+    map_.groups().for_runs(
+        first, first + width,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) row[i - first] = read(i);
+        },
+        [&](std::size_t begin, std::size_t end) {
+          std::fill(row.data() + (begin - first), row.data() + (end - first), Corner{});
+        });
   }
 
  private:
@@ -115,50 +123,52 @@ void connect_rows(const PositionMap& map, const ConnectConfig& config, int first
   std::vector<Corner> above, below;
   reader.read_row(first, above);
   for (int y = first; y < last; ++y) {
-    std::uint8_t* cells = mesh.cells.data() + static_cast<std::size_t>(y) * width;
-    if (y + 1 == map.view.height) {
-      std::fill(cells, cells + width, std::uint8_t{0});
-      return;
-    }
-    reader.read_row(y + 1, below);
-    const std::uint8_t* links =
-        config.links.empty() ? nullptr : config.links.data() + static_cast<std::size_t>(y) * width;
-    for (std::size_t x = 0; x + 1 < width; ++x) {
+    const std::size_t row = static_cast<std::size_t>(y) * width;
+    const bool last_row = y + 1 == map.view.height;
+    last_row ? below.assign(width, Corner{}) : reader.read_row(y + 1, below);
+    map.groups().for_pixels(row, row + width, [&](std::size_t i) {
+      const std::size_t x = i - row;
+      if (x + 1 == width) {
+        mesh.cells[i] = 0;
+        return;
+      }
       const Corner &p = above[x], &q = above[x + 1], &r = below[x], &s = below[x + 1];
       const int seen =
           (p.kind != no_triangle) + (q.kind != no_triangle) + (r.kind != no_triangle) + (s.kind != no_triangle);
       CellLinks allowed;
-      if (links) {
-        const std::uint8_t here = links[x];
-        allowed = {(here & link_right) != 0,        (links[x + width] & link_right) != 0, (here & link_down) != 0,
-                   (links[x + 1] & link_down) != 0, (here & link_diagonal) != 0,          (here & link_across) != 0};
+      if (seen >= 3 && config.links != nullptr) {
+        const PixelArray<std::uint8_t>& links = *config.links;
+        const std::uint8_t here = links[i];
+        allowed = {(here & link_right) != 0,        (links[i + width] & link_right) != 0, (here & link_down) != 0,
+                   (links[i + 1] & link_down) != 0, (here & link_diagonal) != 0,          (here & link_across) != 0};
       }
-      cells[x] = seen < 3 ? 0 : cell_of(p, q, r, s, allowed);
-    }
-    cells[width - 1] = 0;
+      mesh.cells[i] = seen < 3 ? std::uint8_t{0} : cell_of(p, q, r, s, allowed);
+    });
     std::swap(above, below);
   }
 }
 
 ViewMesh connect(const PositionMap& map, const ConnectConfig& config) {
   ViewMesh mesh;
-  mesh.cells.resize(map.view.pixels());
+  mesh.cells = map.triangle.like<std::uint8_t>();
   connect_rows(map, config, 0, map.view.height, mesh);
   return mesh;
 }
 
 void list_triangles(const ViewMesh& mesh, int width, int first, int last, std::vector<Triangle>& triangles) {
-  const auto w = static_cast<std::uint32_t>(width);
-  for (std::uint32_t i = static_cast<std::uint32_t>(first) * w; i < static_cast<std::uint32_t>(last) * w; ++i)
-    if (const std::uint8_t cell = mesh.cells[i])
-      for_triangles_of_cell(cell, i, w, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        triangles.push_back({{a, b, c}});
+  const auto w = static_cast<std::size_t>(width);
+  mesh.cells.groups().for_pixels(
+      static_cast<std::size_t>(first) * w, static_cast<std::size_t>(last) * w, [&](std::size_t i) {
+        if (const std::uint8_t cell = mesh.cells[i])
+          for_triangles_of_cell(
+              cell, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(w),
+              [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { triangles.push_back({{a, b, c}}); });
       });
 }
 
 void estimate_normals(PositionMap& map) {
   const int width = map.view.width, height = map.view.height;
-  map.normal.assign(map.view.pixels(), Vec3f{});
+  map.normal = map.triangle.like<Vec3f>();
   const auto index = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   };

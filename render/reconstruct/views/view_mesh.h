@@ -27,8 +27,8 @@ struct ConnectConfig {
   bool oriented = true;  // the mesh's triangles agree on the outside: never connect an outside with an inside
   // Number of the part of each triangle of the mesh; parts are never connected with each other; empty: one part.
   std::span<const std::uint32_t> parts{};
-  // Neighbours with which a finer map has found each pixel connected (LinkBits, condense_map.h); empty: not known.
-  std::span<const std::uint8_t> links{};
+  // Neighbours with which a finer map has found each pixel connected (LinkBits, condense_map.h); null: not known.
+  const PixelArray<std::uint8_t>* links = nullptr;
 };
 
 // From a pixel to the one at its right, the one below, the one right of that; and from its right one to the one below.
@@ -49,10 +49,10 @@ enum CellBits : std::uint8_t {
 };
 
 struct ViewMesh {
-  std::vector<std::uint8_t> cells;  // of the cell right of and below each pixel: CellBits
+  PixelArray<std::uint8_t> cells;  // of the cell right of and below each pixel: CellBits
 };
 
-// Cells of the rows [first, last) of the map, into view_mesh.cells (one per pixel of the map). Disjoint rows may be
+// Cells of the rows [first, last) of the map, into view_mesh.cells (of its groups of pixels). Disjoint rows may be
 // connected at once.
 void connect_rows(const PositionMap& map, const ConnectConfig& config, int first, int last, ViewMesh& mesh);
 
