@@ -72,7 +72,7 @@ void connect_only(benchmark::State& state) {
   const auto scheduler = make_tbb_scheduler(static_cast<int>(state.range(1)));
   MergeView view;
   view.map = &map;
-  view.mesh.cells.resize(map.view.pixels());
+  view.mesh.cells = map.triangle.like<std::uint8_t>();
   const std::vector<RowBlock> blocks = row_blocks(std::span(&view, 1));
   for (auto _ : state)
     for_blocks(blocks, *scheduler,

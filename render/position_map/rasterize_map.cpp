@@ -27,10 +27,12 @@ struct PixelBox {
 
 // Pixels whose centre is in the closed bounding box, inside the picture.
 PixelBox box_of(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c, const MapView& view) {
-  const auto [x_lo, x_hi] = std::minmax({a.x, b.x, c.x});
-  const auto [y_lo, y_hi] = std::minmax({a.y, b.y, c.y});
-  return {std::max((x_lo + half - 1) >> 8, 0), std::max((y_lo + half - 1) >> 8, 0),
-          std::min((x_hi - half) >> 8, view.width - 1), std::min((y_hi - half) >> 8, view.height - 1)};
+  // Two by two: the compiler makes a loop of a list.
+  const auto least = [](int u, int v, int w) { return std::min(std::min(u, v), w); };
+  const auto largest = [](int u, int v, int w) { return std::max(std::max(u, v), w); };
+  return {std::max((least(a.x, b.x, c.x) + half - 1) >> 8, 0), std::max((least(a.y, b.y, c.y) + half - 1) >> 8, 0),
+          std::min((largest(a.x, b.x, c.x) - half) >> 8, view.width - 1),
+          std::min((largest(a.y, b.y, c.y) - half) >> 8, view.height - 1)};
 }
 
 // The nearest triangles so far in the pixels of a tile.

@@ -23,7 +23,7 @@ inline bool obviously_covers(const SnappedVertex (&v)[3], std::int64_t x, std::i
 }
 
 inline PositionMap obvious_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels = {}) {
-  PositionMap map = empty_map(mesh, view, channels);
+  PositionMap map = empty_map(mesh, view, channels, PixelGroups::all(view.pixels()));
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {
       const std::size_t i =

@@ -52,7 +52,7 @@ TEST(ViewMesh, OfAPlaneIsThatPlane) {
 }
 
 TEST(ViewMesh, OfNothingIsEmpty) {
-  PositionMap map = empty_map(terrain_mesh(2), from_above, {});
+  PositionMap map = empty_map(terrain_mesh(2), from_above, {}, PixelGroups::all(from_above.pixels()));
   EXPECT_TRUE(triangles_of(map).empty());
   EXPECT_TRUE(extend_to_silhouette(map, 8).empty());
 }
@@ -96,7 +96,8 @@ TEST(ViewMesh, DoesNotBreakOnASteepSlope) {
 
 TEST(ViewMesh, TakesTheDiagonalThatBridgesLess) {
   PositionMap map =
-      empty_map(terrain_mesh(2), {Projection::orthographic, {0, 0, 2}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 1, 2, 2}, {});
+      empty_map(terrain_mesh(2), {Projection::orthographic, {0, 0, 2}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 1, 2, 2}, {},
+                PixelGroups::all(4));
   const float depth[2][4]{{1, 1, 1, 1.4f}, {1, 1.4f, 1, 1}};  // p q r s: the odd one is s, then q
   for (std::size_t k = 0; k < 2; ++k) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -126,7 +127,7 @@ TEST(ViewMesh, IsTheSameInPieces) {
   const PositionMap map = draw(sphere_mesh(4));
   const ViewMesh whole = connect(map, {});
   ViewMesh pieces;
-  pieces.cells.resize(whole.cells.size());
+  pieces.cells = map.triangle.like<std::uint8_t>();
   for (const auto& [first, last] : {std::pair{7, 23}, {0, 7}, {23, map.view.height}})
     connect_rows(map, {}, first, last, pieces);
   EXPECT_EQ(whole.cells, pieces.cells);
