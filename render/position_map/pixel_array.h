@@ -38,9 +38,7 @@ class PixelGroups {
 
   [[nodiscard]] std::size_t pixels() const { return pixels_; }
   [[nodiscard]] std::size_t stored() const { return stored_; }  // values of an array, with those of the empty group
-  [[nodiscard]] bool has(std::size_t pixel) const {
-    return place(shift_.data(), pixel) >= length;
-  }
+  [[nodiscard]] bool has(std::size_t pixel) const { return place(shift_.data(), pixel) >= length; }
   [[nodiscard]] const std::uint32_t* shifts() const { return shift_.data(); }
   // Place of a pixel among the stored values: the shift of its group, modulo 2^32, is added to its number.
   [[nodiscard]] static std::size_t place(const std::uint32_t* shifts, std::size_t pixel) {
@@ -76,9 +74,7 @@ class PixelGroups {
 class PixelMarks {
  public:
   PixelMarks(int width, int height)
-      : width_(width),
-        height_(height),
-        marked_((pixels() + PixelGroups::length - 1) / PixelGroups::length) {}
+      : width_(width), height_(height), marked_((pixels() + PixelGroups::length - 1) / PixelGroups::length) {}
 
   // The pixels [first, last) of row y see something. Several workers may mark at once.
   void add(int first, int last, int y) {
@@ -106,7 +102,9 @@ class PixelMarks {
   }
 
  private:
-  [[nodiscard]] std::size_t pixels() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
+  [[nodiscard]] std::size_t pixels() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  }
 
   int width_, height_;
   std::vector<std::uint8_t> marked_;  // of each group

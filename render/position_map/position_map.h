@@ -20,7 +20,7 @@ inline constexpr std::uint32_t no_triangle = 0xFFFF'FFFFu;
 // nothing is seen is zero but for its triangle.
 struct PositionMap {
   MapView view;
-  Transform transform;                  // from normalised to model space
+  Transform transform;                 // from normalised to model space
   PixelArray<Vec3f> position;          // normalised model space
   PixelArray<std::uint32_t> triangle;  // of the mesh that was drawn; no_triangle: nothing is seen
   PixelArray<float> depth;             // along view.forward, normalised units

@@ -184,8 +184,8 @@ class MapRasterizer {
   double nearest_;  // as SnappedVertex has it
   std::size_t columns_, tiles_;
   std::vector<SnappedVertex> vertices_;
-  std::vector<std::size_t> first_;     // of each tile in `listed_`
-  std::vector<std::uint32_t> listed_;  // triangles, ascending within a tile
+  std::vector<std::size_t> first_;           // of each tile in `listed_`
+  std::vector<std::uint32_t> listed_;        // triangles, ascending within a tile
   std::vector<std::uint32_t> listed_tiles_;  // those with triangles; pixels of each of them:
   std::unique_ptr<std::uint32_t[]> triangle_;
   std::unique_ptr<float[]> depth_;  // null: computed with the positions

@@ -16,9 +16,9 @@ namespace lodestone {
 
 // Gives the same bytes for any number of workers. Time: vertices + triangles + covered pixels + rows of triangles.
 // Memory: 16 bytes a vertex, and 4 for each tile of 64x64 pixels that a triangle's box with a pixel's centre in it
-// overlaps, besides the map, and for each pixel of these tiles. Without `surface` depths are interpolated from the corners' and no positions are computed:
-// enough to decide visibility. Throws InputError for a view that check_view refuses, or when a vertex is not in front
-// of the eye of a perspective view.
+// overlaps, besides the map, and for each pixel of these tiles. Without `surface` depths are interpolated from the
+// corners' and no positions are computed: enough to decide visibility. Throws InputError for a view that check_view
+// refuses, or when a vertex is not in front of the eye of a perspective view.
 [[nodiscard]] PositionMap rasterize_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels,
                                         Scheduler& scheduler);
 

@@ -11,7 +11,7 @@ namespace lodestone {
 
 struct DrawnMaps {
   std::vector<PositionMap> maps;
-  double spacing = 0;                            // of their samples, normalised units; 0: that of the report
+  double spacing = 0;                           // of their samples, normalised units; 0: that of the report
   std::vector<PixelArray<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   std::vector<PixelArray<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
@@ -35,8 +35,8 @@ class LastChoice {
                                   ReconstructReport& report, Scheduler& scheduler);
 // Maps that were read; the report gets their spacing.
 [[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
-// `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are extended, and get normals, in
-// place.
+// `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are given up: their views and
+// transforms remain.
 [[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                                      ReconstructReport& report, Scheduler& scheduler);
 // One after the other.

@@ -174,6 +174,16 @@ std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const 
   return source;
 }
 
+// What comes after merging needs memory of its own.
+void release_pixels(DrawnMaps& drawn) {
+  drawn.links.clear(), drawn.vertices.clear();
+  for (PositionMap& map : drawn.maps) {
+    PositionMap rest;
+    rest.view = map.view, rest.transform = map.transform;
+    map = std::move(rest);
+  }
+}
+
 // The mesh of all views; `spacing`: of the maps.
 MergedMesh merge_maps(DrawnMaps& drawn, double spacing, const ReconstructConfig& config, ReconstructReport& report,
                       Scheduler& scheduler) {
@@ -289,6 +299,8 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
   if (drawn.maps.empty()) return {};
   const double spacing = drawn.spacing > 0 ? drawn.spacing : report.spacing;
   MergedMesh merged = merge_maps(drawn, spacing, config, report, scheduler);
+  std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
+  release_pixels(drawn);
 
   const bool one_surface = config.merge != MergeKind::concatenate;
   const CpuClock sharpen_clock;
@@ -296,9 +308,9 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     const double of_samples = config.merge == MergeKind::shell ? report.spacing : spacing;
     report.sharpen = sharpen(merged, {static_cast<float>(of_samples), config.sharp_degrees}, scheduler);
   }
+  source.resize(merged.position.size(), no_source);
   report.sharpen_time = sharpen_clock.elapsed();
 
-  std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
   if (config.merge == MergeKind::stitch && config.lost_parts && mesh)
     report.lost = take_over_lost_parts(*mesh, spacing, merged, source, drawn.closed, scheduler);
   RawMesh raw;

@@ -88,8 +88,8 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
       for_pixels(views[block.view], y, y + 1, [&](std::size_t i) {
         const std::size_t x = i - begin;
         const unsigned one = b[x] | c[x] | d[x], two = one | a[x] | e[x];
-        result[block.view][i] = static_cast<std::uint8_t>((own[i] & (on_border | on_rim)) | (one & beside_border) |
-                                                          (two & near_border));
+        result[block.view][i] =
+            static_cast<std::uint8_t>((own[i] & (on_border | on_rim)) | (one & beside_border) | (two & near_border));
       });
     }
   });
@@ -100,8 +100,8 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
 
 PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) {
   PixelFlags flags(views.size());
-  scheduler.for_chunks(
-      views.size(), 1, [&](ChunkRange range) { flags[range.index] = views[range.index].kept.like<std::uint8_t>(); });
+  scheduler.for_chunks(views.size(), 1,
+                       [&](ChunkRange range) { flags[range.index] = views[range.index].kept.like<std::uint8_t>(); });
   const std::vector<RowBlock> blocks = row_blocks(views);
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const MergeView& view = views[block.view];

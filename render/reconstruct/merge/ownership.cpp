@@ -144,9 +144,8 @@ float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel
 
 void own_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first, int last) {
   MergeView& view = views[number];
-  for_pixels(view, first, last, [&](std::size_t i) {
-    view.owner[i] = view.map->sees(i) ? owner_of(views, number, i, config) : no_view;
-  });
+  for_pixels(view, first, last,
+             [&](std::size_t i) { view.owner[i] = view.map->sees(i) ? owner_of(views, number, i, config) : no_view; });
 }
 
 void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first,

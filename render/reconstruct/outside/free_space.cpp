@@ -80,37 +80,46 @@ void FreeSpace::find_holes(Scheduler& scheduler) {
   });
 }
 
+// Squares of `side` by `side` depths of a picture, which are infinite where it has no memory.
+template <class DepthsAt>
+FreeSpace::Level FreeSpace::coarser(int width, int height, const PixelGroups& groups, int side,
+                                    const DepthsAt& depths_at) {
+  const auto row = static_cast<std::size_t>(width);
+  Level level{(width + side - 1) / side, (height + side - 1) / side, {}};
+  PixelMarks marks(level.width, level.height);
+  for (int y = 0; y < height; ++y) {
+    const std::size_t begin = static_cast<std::size_t>(y) * row;
+    const auto mark = [&](std::size_t first, std::size_t last) {
+      marks.add(static_cast<int>(first - begin) / side, static_cast<int>(last - begin - 1) / side + 1, y / side);
+    };
+    groups.for_runs(begin, begin + row, mark, [](std::size_t, std::size_t) {});
+  }
+  level.depths = PixelArray(marks.groups(), Range{infinitely_far, infinitely_far});
+  level.depths.groups().for_pixels(0, level.depths.size(), [&](std::size_t square) {
+    const int x0 = static_cast<int>(square % static_cast<std::size_t>(level.width)) * side,
+              y0 = static_cast<int>(square / static_cast<std::size_t>(level.width)) * side;
+    Range range{infinitely_far, 0};
+    for (int y = y0; y < std::min(y0 + side, height); ++y)
+      for (int x = x0; x < std::min(x0 + side, width); ++x) {
+        const Range own = depths_at(static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x));
+        range = {std::min(range.least, own.least), std::max(range.largest, own.largest)};
+      }
+    level.depths[square] = range;
+  });
+  return level;
+}
+
 void FreeSpace::make_levels(std::size_t view) {
   const PositionMap& map = maps_[view];
-  const auto halved = [](int side, int by) { return (side + by - 1) / by; };
-  const auto like = [&](int width, int height) {
-    const auto n = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    return Level{width, height, std::vector<float>(n, infinitely_far), std::vector<float>(n, 0.0f)};
-  };
-  const auto put = [](Level& level, int x, int y, Range depth) {
-    const std::size_t i =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x);
-    level.least[i] = std::min(level.least[i], depth.least);
-    level.largest[i] = std::max(level.largest[i], depth.largest);
-  };
   std::vector<Level>& levels = levels_[view];
-  levels.push_back(like(halved(map.view.width, base_side), halved(map.view.height, base_side)));
-  for (int y = 0; y < map.view.height; ++y)
-    for (int x = 0; x < map.view.width; ++x) {
-      const std::size_t i = index_of(map, x, y);
-      const float depth = !map.sees(i) ? infinitely_far : is_back(view, i) ? 0.0f : map.depth[i];
-      put(levels[0], x / base_side, y / base_side, {depth, depth});
-    }
+  levels.push_back(coarser(map.view.width, map.view.height, map.groups(), base_side, [&](std::size_t i) {
+    const float depth = !map.sees(i) ? infinitely_far : is_back(view, i) ? 0.0f : map.depth[i];
+    return Range{depth, depth};
+  }));
   while (levels.back().width > 1 || levels.back().height > 1) {
     const Level& fine = levels.back();
-    Level coarse = like(halved(fine.width, 2), halved(fine.height, 2));
-    for (int y = 0; y < fine.height; ++y)
-      for (int x = 0; x < fine.width; ++x) {
-        const std::size_t i =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(fine.width) + static_cast<std::size_t>(x);
-        put(coarse, x / 2, y / 2, {fine.least[i], fine.largest[i]});
-      }
-    levels.push_back(std::move(coarse));
+    levels.push_back(
+        coarser(fine.width, fine.height, fine.depths.groups(), 2, [&](std::size_t i) { return fine.depths[i]; }));
   }
 }
 
@@ -145,8 +154,8 @@ FreeSpace::Range FreeSpace::depths_in(std::size_t view, const Footprint& print) 
     for (int x = static_cast<int>(x0 / side); x <= static_cast<int>(x1 / side); ++x) {
       const std::size_t i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(x);
-      range.least = std::min(range.least, level.least[i]);
-      range.largest = std::max(range.largest, level.largest[i]);
+      range.least = std::min(range.least, level.depths[i].least);
+      range.largest = std::max(range.largest, level.depths[i].largest);
     }
   return range;
 }

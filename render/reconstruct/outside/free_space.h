@@ -46,13 +46,13 @@ class FreeSpace {
   [[nodiscard]] std::span<const PositionMap> maps() const { return maps_; }
 
  private:
-  // Least and largest depth of squares of pixels: level k holds squares of side 4 * 2^k. Background is infinitely far.
-  struct Level {
-    int width = 0, height = 0;
-    std::vector<float> least, largest;
-  };
   struct Range {
     float least, largest;
+  };
+  // Depths of squares of pixels: level k holds squares of side 4 * 2^k. Background is infinitely far.
+  struct Level {
+    int width = 0, height = 0;
+    PixelArray<Range> depths;
   };
   struct Footprint;
   // Which side of the surface a pixel sees.
@@ -64,6 +64,9 @@ class FreeSpace {
     const Vec3f normal = maps_[view].normal[pixel];
     return sides_[view][pixel] == Side::front ? normal : -1.0f * normal;
   }
+  template <class DepthsAt>
+  [[nodiscard]] static Level coarser(int width, int height, const PixelGroups& groups, int side,
+                                     const DepthsAt& depths_at);
   void make_levels(std::size_t view);
   [[nodiscard]] Footprint footprint(const MapView& view, const Box3f& box) const;
   [[nodiscard]] Range depths_in(std::size_t view, const Footprint& print) const;

@@ -51,9 +51,10 @@ class ShellMaker {
 
  private:
   // Crossed edges that start at the points of a block: bit k - 1 of `mask` is set for the edge to the corner k of the
-  // point's cube; `first` is the number of the first of the vertices on them.
+  // point's cube; vertices on them are numbered from `first` + `of_point` on.
   struct Crossings {
-    std::array<std::uint32_t, ShellGrid::block_points> first{};
+    std::uint32_t first = 0;
+    std::array<std::uint16_t, ShellGrid::block_points> of_point{};
     std::array<std::uint8_t, ShellGrid::block_points> mask{};
   };
 
@@ -80,11 +81,13 @@ class ShellMaker {
           }
         });
     });
-    for (Crossings& c : crossings_)
+    for (Crossings& c : crossings_) {
+      c.first = vertices_;
       for (std::size_t place = 0; place < ShellGrid::block_points; ++place) {
-        c.first[place] = vertices_;
+        c.of_point[place] = static_cast<std::uint16_t>(vertices_ - c.first);
         vertices_ += static_cast<std::uint32_t>(std::popcount(c.mask[place]));
       }
+    }
   }
 
   template <class Visit>
@@ -96,7 +99,7 @@ class ShellMaker {
     std::vector<ViewNumber> views;
     grid_.views_of(blocks_[k], views);
     for_points(blocks_[k], [&](GridPoint p, std::size_t place) {
-      std::uint32_t v = crossings_[k].first[place];
+      std::uint32_t v = crossings_[k].first + crossings_[k].of_point[place];
       for (int corner = 1; corner < 8; ++corner) {
         if (!(crossings_[k].mask[place] >> (corner - 1) & 1)) continue;
         const GridPoint q = corner_of(p, corner);
@@ -143,7 +146,7 @@ class ShellMaker {
     const Crossings& c = crossings_[place_[grid_.block_of(p)]];
     const std::size_t place = ShellGrid::place_in_block(p);
     const unsigned below = c.mask[place] & ((1u << (way - 1)) - 1);
-    return c.first[place] + static_cast<std::uint32_t>(std::popcount(below));
+    return c.first + c.of_point[place] + static_cast<std::uint32_t>(std::popcount(below));
   }
 
   void make_triangles(std::size_t k, std::vector<Triangle>& triangles) const {

@@ -134,8 +134,7 @@ void ShellGrid::find_sheets(Scheduler& scheduler) {
     map.groups().for_pixels(0, map.view.pixels(), [&](std::size_t i) {
       if (!map.sees(i) || space_.is_back(range.index, i)) return;
       if (const auto p = sheet_point(map, i))
-        found[range.index].push_back(
-            {number(*p), static_cast<ViewNumber>(range.index), static_cast<std::uint32_t>(i)});
+        found[range.index].push_back({number(*p), static_cast<ViewNumber>(range.index), static_cast<std::uint32_t>(i)});
     });
   });
   for (const auto& own : found) sheets_.insert(sheets_.end(), own.begin(), own.end());

@@ -12,8 +12,7 @@ struct CellsAround {
   std::uint8_t p = 0, q = 0, r = 0, s = 0;  // the cells in which the pixel is that corner
 };
 
-[[nodiscard]] inline CellsAround cells_around(const PixelArray<std::uint8_t>& cells, std::size_t i,
-                                              std::size_t width) {
+[[nodiscard]] inline CellsAround cells_around(const PixelArray<std::uint8_t>& cells, std::size_t i, std::size_t width) {
   return {cells[i], i >= 1 ? cells[i - 1] : std::uint8_t{0}, i >= width ? cells[i - width] : std::uint8_t{0},
           i >= width + 1 ? cells[i - width - 1] : std::uint8_t{0}};
 }

@@ -160,9 +160,10 @@ void list_triangles(const ViewMesh& mesh, int width, int first, int last, std::v
   mesh.cells.groups().for_pixels(
       static_cast<std::size_t>(first) * w, static_cast<std::size_t>(last) * w, [&](std::size_t i) {
         if (const std::uint8_t cell = mesh.cells[i])
-          for_triangles_of_cell(
-              cell, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(w),
-              [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { triangles.push_back({{a, b, c}}); });
+          for_triangles_of_cell(cell, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(w),
+                                [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+                                  triangles.push_back({{a, b, c}});
+                                });
       });
 }
 
