@@ -25,6 +25,11 @@ constexpr double far_guard = 1e-3;
 // From far away depths lie at most this many extents of a model before and beyond it: the resolution of a depth buffer
 // is spent on the model, not on the way to it.
 constexpr double most_room = 1;
+// In a range as wide as this the surface before the far plane lies within the rounding of clip coordinates from it, and
+// parts of it would be cut off. The plane moves away, which costs nothing: the resolution of depths follows from the
+// near plane.
+constexpr double wide_range = 5e-5;  // near over far; no camera has it for a single model
+constexpr double far_away = 1e3;     // over far: what is left between depth and clip w is twice near
 
 glm::dvec3 to_glm(Vec3d v) { return {v.x, v.y, v.z}; }
 
@@ -111,6 +116,7 @@ DepthRange depth_range(std::span<const PlacedBounds> models, Vec3d eye, Vec3d fo
   }
   if (!(range.near < std::numeric_limits<double>::infinity())) range.near = 1;  // nothing before the eye
   range.near = std::max(range.near, least_near_of_all * std::max(largest, range.far));
+  if (range.near < wide_range * range.far) range.far *= far_away;
   if (!(range.far > range.near)) range.far = 2 * range.near;
   return range;
 }

@@ -16,11 +16,10 @@ Every depth is a number in [0, 1]; no pixel inside the silhouette of the finest 
 soft within the tolerance of the conformance tests, and those of a new renderer bit by bit after the camera has jumped.
 From far away pictures are alike; from 1e13 to 1e18 times its size the model is a point, and fields of view in which it would
 fill the picture are refused by name, as no direction in double precision leads to a part of it. So are positions that are not
-finite, or too far away for single precision. A model of a million units is drawn with one of a thousandth beside it; within it
-the small one differs by some 300 pixels between `gl` and `soft`. At a uniform kappa0 around the reach, from 1e-4 below to 1e-4
-above, nothing cracks from where the radii are admissible on, and the adversary finds cracks at 0.9999 of the largest reach
-of a vertex that it knows.
-"""
+finite, or too far away for single precision. A model of a million units is drawn with one of a thousandth beside it and within
+it, from near and through a telescope: alike on both, with no part of either beyond the far plane. At a uniform kappa0 around
+the reach, from 1e-4 below to 1e-4 above, nothing cracks from where the radii are admissible on, and the adversary finds cracks
+at 0.9999 of the largest reach of a vertex that it knows. """
 
 FORCE = """
 ## Guarantees by force

@@ -220,39 +220,88 @@ TEST_P(ViewsOnBackend, AfterAJumpAreThoseOfANewRenderer) {
   }
 }
 
-// A model of a million units with one of a thousandth on it, and the camera before the small one, then before both.
-TEST_P(ViewsOnBackend, OfHugeAndTinyModelsTogether) {
+// A model of a million units with one of a thousandth at some place.
+struct HugeAndTiny {
+  explicit HugeAndTiny(Vec3d tiny) {
+    scene.models.resize(2);
+    scene.models[0].name = "huge", scene.models[1].name = "tiny";
+    scene.models[0].scale = 1e6, scene.models[1].scale = 1e-3;
+    scene.models[0].anchor = scene.models[1].anchor = Anchor::centre;
+    scene.models[1].position = tiny;
+  }
+  [[nodiscard]] Image draw(const Camera& camera, Renderer& renderer) {
+    const OpenModel open{model().get()};
+    view = std::make_unique<SceneView>(scene, std::vector(scene.models.size(), open));
+    view->upload(renderer);
+    EXPECT_TRUE(view->update(camera, view_config(scene, {160, 120})));
+    EXPECT_GT(view->draw(renderer).triangles, 0u);
+    return renderer.read_back();
+  }
+
   Scene scene;
+  std::unique_ptr<SceneView> view;
+};
+
+// The camera before both, before the small one with the huge one behind it, between the two, and far from both.
+TEST_P(ViewsOnBackend, OfHugeAndTinyModelsTogether) {
   const Vec3d tiny{0, -4e6, 0};
-  scene.models.resize(2);
-  scene.models[0].name = "huge", scene.models[1].name = "tiny";
-  scene.models[0].scale = 1e6, scene.models[1].scale = 1e-3;
-  scene.models[0].anchor = scene.models[1].anchor = Anchor::centre;
-  scene.models[1].position = tiny;
-  const OpenModel open{model().get()};
   const double size = model()->transform.scale;
-  struct Place {
-    Vec3d position, target;
-  };
-  // Before both, before the small one with the huge one behind it, between the two, and far from both.
-  for (const Place& place :
-       {Place{tiny + Vec3d{1e-3 * size, -2e-3 * size, 5e-4}, tiny}, Place{tiny + Vec3d{0, -1e-3 * size, 0}, {0, 0, 0}},
-        Place{tiny + Vec3d{0, 2e-3 * size, 0}, tiny}, Place{{1e6, -9e6 * size, 3e6}, {0, 0, 0}}}) {
-    const auto draw = [&](Renderer& renderer) {
-      SceneView view(scene, {open, open});
-      view.upload(renderer);
-      EXPECT_TRUE(view.update({place.position, place.target}, view_config(scene, {160, 120})));
-      const FrameStats stats = view.draw(renderer);
-      EXPECT_GT(stats.triangles, 0u);
-      return renderer.read_back();
-    };
-    const Image image = draw(*renderer_);
+  HugeAndTiny both(tiny);
+  for (const Camera& camera :
+       {Camera{tiny + Vec3d{1e-3 * size, -2e-3 * size, 5e-4}, tiny},
+        Camera{tiny + Vec3d{0, -1e-3 * size, 0}, {0, 0, 0}}, Camera{tiny + Vec3d{0, 2e-3 * size, 0}, tiny},
+        Camera{{1e6, -9e6 * size, 3e6}, {0, 0, 0}}}) {
+    const Image image = both.draw(camera, *renderer_);
     if (image.rgba.empty()) continue;
     expect_finite(image);
-    expect_conformance(image, draw(*make_renderer("soft", *scheduler_)));
-    keep_picture(std::string("view_huge_tiny_") + std::to_string(place.position.x) + GetParam(), image);
+    expect_conformance(image, both.draw(camera, *make_renderer("soft", *scheduler_)));
+    keep_picture(std::string("view_huge_tiny_") + std::to_string(camera.position.x) + GetParam(), image);
     EXPECT_GT(std::ranges::count_if(image.depth, [](float d) { return d < 1; }), 100);
   }
+}
+
+// Vertices of a model that lie before the eye and, as far as clip coordinates in float can tell, beyond the far plane.
+std::size_t cut_off_by_far_plane(const ViewProjection& projection) {
+  const auto& m = projection.m;
+  std::size_t count = 0;
+  for (const Cell& cell : model()->cells)
+    for (const Vec3f& p : cell.positions) {
+      const auto row = [&](std::size_t r) {
+        return ((m[4 * r] * p.x + m[4 * r + 1] * p.y) + m[4 * r + 2] * p.z) + m[4 * r + 3];
+      };
+      count += row(3) > 0 && row(2) > row(3);
+    }
+  return count;
+}
+
+// The huge one is closed: every pixel sees it, and none of it is beyond the far plane. The camera is so near to the
+// small one that the near plane cuts it off, so far from it that it is smaller than a pixel, or looks at it through a
+// telescope.
+TEST_P(ViewsOnBackend, OfATinyModelInsideOfAHugeOne) {
+  const double size = model()->transform.scale, telescope = 2e-3 * size / 20;
+  for (const Vec3d& tiny : {Vec3d{0, 0, 0}, Vec3d{0, -4e5, 0}, Vec3d{0, -1.4e6, 0}, Vec3d{3e5, 2e5, -1e5}})
+    for (const auto& [from, fov] : {std::pair{Vec3d{1e-3 * size, -2e-3 * size, 5e-4}, 0.785},
+                                    {Vec3d{0, -1e-3 * size, 0}, 0.785},
+                                    {Vec3d{0, 2e-3 * size, 0}, 0.785},
+                                    {Vec3d{0, -20, 3}, 0.785},
+                                    {Vec3d{0, -20, 3}, telescope}}) {
+      SCOPED_TRACE(std::to_string(tiny.y) + " from " + std::to_string(from.y) + " at " + std::to_string(fov));
+      const Camera camera{tiny + from, tiny, {0, 0, 1}, fov};
+      HugeAndTiny both(tiny);
+      const Image image = both.draw(camera, *renderer_);
+      for (const ModelFrame& drawn : both.view->frame().models)
+        EXPECT_EQ(cut_off_by_far_plane(drawn.view_projection), 0u);
+      if (image.rgba.empty()) continue;
+      expect_finite(image);
+      expect_conformance(image, both.draw(camera, *make_renderer("soft", *scheduler_)));
+      keep_picture(
+          "view_tiny_inside_" + std::to_string(tiny.y) + std::to_string(from.y) + std::to_string(fov) + GetParam(),
+          image);
+      EXPECT_EQ(std::ranges::count_if(image.depth, [](float d) { return d < 1; }), 160 * 120);
+      both.scene.models.pop_back();
+      const double differing = image_difference(image, both.draw(camera, *renderer_), 8).differing_share;
+      EXPECT_EQ(differing > 0.05, fov == telescope) << differing;
+    }
 }
 
 // A uniform kappa0 at the reach, a hair below and a hair above it.
