@@ -19,7 +19,8 @@ fill the picture are refused by name, as no direction in double precision leads 
 finite, or too far away for single precision. A model of a million units is drawn with one of a thousandth beside it and within
 it, from near and through a telescope: alike on both, with no part of either beyond the far plane. At a uniform kappa0 around
 the reach, from 1e-4 below to 1e-4 above, nothing cracks from where the radii are admissible on, and the adversary finds cracks
-at 0.9999 of the largest reach of a vertex that it knows. """
+at 0.9999 of the largest reach of a vertex that it knows.
+"""
 
 FORCE = """
 ## Guarantees by force
