@@ -53,7 +53,8 @@ Registry<LodSystem>& systems() {
       ours.add(measured ? "cluster-dag-measured" : "cluster-dag", cluster_dag_system(measured));
     ours.add("progressive-whole", progressive_whole_system());
     ours.add("vdpm", vdpm_system());
-    for (const bool skirts : {false, true}) ours.add(skirts ? "tiles-replace-skirts" : "tiles-replace", tiles_system(skirts));
+    for (const bool skirts : {false, true})
+      ours.add(skirts ? "tiles-replace-skirts" : "tiles-replace", tiles_system(skirts));
     ours.add("chunked-skirts", chunked_system());
     ours.add("clipmap", clipmap_system());
     ours.add(std::string(full_system),

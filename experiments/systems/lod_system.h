@@ -53,7 +53,7 @@ class Patches {
   [[nodiscard]] virtual std::vector<CellId> select(Vec3f viewpoint, double reach) = 0;
   // True if select() makes patches anew: they are sent to the renderer each time.
   [[nodiscard]] virtual bool remakes() const { return false; }
-  // True for a patch that covers cracks and is no part of the surface.
+  // True for a patch that only covers cracks: it is not a part of the surface.
   [[nodiscard]] virtual bool is_skirt(CellId /*cell*/) const { return false; }
   // Points as select() has placed them; none for systems whose vertices cannot be followed. Where a vertex is drawn at
   // a border of the model, its place is one of these, bit for bit.

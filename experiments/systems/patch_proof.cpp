@@ -12,7 +12,9 @@ namespace {
 
 bool comes_before(Vec3d a, Vec3d b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-bool is_in(const std::vector<Vec3d>& ascending, Vec3d p) { return std::ranges::binary_search(ascending, p, comes_before); }
+bool is_in(const std::vector<Vec3d>& ascending, Vec3d p) {
+  return std::ranges::binary_search(ascending, p, comes_before);
+}
 
 }  // namespace
 

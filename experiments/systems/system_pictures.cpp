@@ -48,6 +48,20 @@ Image blended(const Image& a, const Image& b, double share) {
   return image;
 }
 
+std::uint64_t drawn_bytes(const SystemModel& model) {
+  const auto index_bytes = [](const auto& view) {
+    return view.size() * view.words * (view.is_short() ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
+  };
+  std::uint64_t bytes = 0;
+  for (const Selection* part : {&model.whole, &model.skirts})
+    for (const SelectedCell& drawn : part->cells) {
+      const Cell& cell = model.hierarchy->cells[drawn.cell];
+      bytes += cell.positions.size_bytes() + cell.normals.size_bytes();
+      bytes += index_bytes(cell.parents) + index_bytes(cell.triangles);
+    }
+  return bytes;
+}
+
 SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, Scheduler& scheduler, const SystemConfig& config)
     : scene_(scene), renderer_(renderer), scheduler_(scheduler), config_(config) {
   for (std::size_t m = 0; m < scene.model_count(); ++m)

@@ -1,6 +1,7 @@
 // Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -35,6 +36,9 @@ struct SystemModel {
   // Points into this object.
   [[nodiscard]] MorphContext context() const { return {hierarchy, &radii, blend, viewpoint}; }
 };
+
+// The size of the vertices and triangles of the surface before culling, skirts included.
+[[nodiscard]] std::uint64_t drawn_bytes(const SystemModel& model);
 
 // Cells of patches that are remade are those of the last picture of the system.
 struct SystemPicture {

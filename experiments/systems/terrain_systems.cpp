@@ -130,7 +130,8 @@ LodSystem terrain_system(std::string description) {
 }  // namespace
 
 LodSystem chunked_system() {
-  return terrain_system<TerrainChunks>("height fields: chunks of a quadtree with skirts, posts morphed to the parent's");
+  return terrain_system<TerrainChunks>(
+      "height fields: chunks of a quadtree with skirts, posts morphed to the parent's");
 }
 
 LodSystem clipmap_system() {

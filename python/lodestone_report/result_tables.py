@@ -186,13 +186,14 @@ PAGES = [
                ("efficiency, %", "efficiency"), ("idle, s", "idle"), ("idle tail, s", "idle_tail"), ("same result", "same")]),
     ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels."),
     Page("systems", [
-        Table("Systems on the same path", ("scans", "generated", "orbit"),
+        Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
                ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE,
-               FRAME, WORST, ("to make, CPU s", "make_cpu_seconds")]),
+               FRAME, WORST, ("drawn, bytes", "drawn_bytes"), ("memory, bytes", "peak_bytes"),
+               ("to make, CPU s", "make_cpu_seconds")]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
-       "measured errors. Every system is a run of its own, and repetitions take turns."),
+       "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns."),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,

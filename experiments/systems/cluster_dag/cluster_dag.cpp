@@ -135,8 +135,7 @@ class DagBuilder {
 
   // The largest distance between the new triangles of a group and the surface. Each vertex of the surface that was
   // nearest to one of the group goes on with the cluster that is nearest to it now.
-  [[nodiscard]] double measure(const PartMesh& mesh, const std::vector<std::uint32_t>& group,
-                               Replacement& made) const {
+  [[nodiscard]] double measure(const PartMesh& mesh, const std::vector<std::uint32_t>& group, Replacement& made) const {
     const std::vector<Vec3d> at = doubles(mesh.positions);
     double farthest = 0;
     const auto see = [&](Vec3d p) { farthest = std::max(farthest, surface_->nearest(p).squared_distance); };

@@ -42,8 +42,8 @@ PrefixLadder::PrefixLadder(const WeldedSurface& surface, const Transform& transf
     PlacedLevel level = levels_.placed_level(counts[i]);
     LadderStep step;
     if (i > 0)
-      step.error = std::max(steps_.back().error, surface_distance({level.positions, level.triangles}, mesh_.positions,
-                                                                  full, scheduler));
+      step.error = std::max(steps_.back().error,
+                            surface_distance({level.positions, level.triangles}, mesh_.positions, full, scheduler));
     for (const std::uint32_t t : coherent_order(level.positions, level.triangles))
       step.triangles.push_back(level.triangles[t]);
     step.positions = std::move(level.positions);
@@ -80,8 +80,8 @@ std::vector<PackedNormal> PrefixLadder::normals_at(const Place& place) const {
   const auto share = static_cast<float>(place.share);
   for (std::size_t v = 0; v < normals.size(); ++v)
     if (step.ancestor[v] != v)
-      normals[v] = pack_normal((1 - share) * unpack_normal(normals_[v]) +
-                               share * unpack_normal(normals_[step.ancestor[v]]));
+      normals[v] =
+          pack_normal((1 - share) * unpack_normal(normals_[v]) + share * unpack_normal(normals_[step.ancestor[v]]));
   return normals;
 }
 

@@ -176,7 +176,7 @@ std::vector<std::uint32_t> SplitForest::refine(Vec3d viewpoint, double reach) co
     if (!active[v] && missing.error * reach <= std::max(length(viewpoint - missing.centre) - missing.radius, 0.0))
       continue;
     active[v] = 1;
-    for (const std::uint32_t need : needs(v)) active[need] = 1;
+    for (const std::uint32_t need : needs(VertexId(v))) active[need] = 1;
   }
   std::vector<std::uint32_t> drawn_for(count);
   for (std::uint32_t v = 0; v < count; ++v)

@@ -1,17 +1,18 @@
 // View-dependent refinement of a progressive mesh (hoppe1997): the vertex splits that a viewpoint asks for, and those
 // that these depend on.
 //
-// A split is legal where all vertices are active that its vertex has as neighbours when the whole mesh is refined so far
-// (xia1996), which includes those that Hoppe's four neighbouring faces ask for. Then the triangles that it replaces are
-// there, and every triangle that is drawn is one of some prefix, so that no triangle turns over that does not do so
-// there. Set by set, not split by split: what a viewpoint asks for is found anew for each, so that it does not depend on
-// the way there; Hoppe goes on from the frame before.
+// A split is legal where all vertices are active that its vertex has as neighbours when the whole mesh is refined so
+// far (xia1996), which includes those that Hoppe's four neighbouring faces ask for. Then the triangles that it replaces
+// are there, and every triangle that is drawn is one of some prefix, so that no triangle turns over that does not do so
+// there. Set by set, not split by split: what a viewpoint asks for is found anew for each, so that it does not depend
+// on the way there; Hoppe goes on from the frame before.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 #include "experiments/systems/surface/welded_surface.h"
 #include "parallel/scheduler/scheduler.h"
@@ -34,10 +35,8 @@ class SplitForest {
   [[nodiscard]] std::uint32_t base_vertices() const { return mesh_.base_vertices; }
   [[nodiscard]] std::span<const Vec3f> points() const { return mesh_.positions; }
   [[nodiscard]] std::span<const PackedNormal> normals() const { return normals_; }
-  [[nodiscard]] std::span<const std::uint32_t> parents() const { return mesh_.parents; }
-  [[nodiscard]] const Missing& missing(std::uint32_t vertex) const { return missing_[groups_[vertex]]; }
-  // What the split of a vertex depends on: numbers below its own; none for the base.
-  [[nodiscard]] std::span<const std::uint32_t> needs(std::uint32_t vertex) const {
+  // The vertices that a split depends on: numbers below its own; none for the base.
+  [[nodiscard]] std::span<const std::uint32_t> needs(VertexId vertex) const {
     return std::span(needs_).subspan(first_need_[vertex], first_need_[vertex + 1] - first_need_[vertex]);
   }
 

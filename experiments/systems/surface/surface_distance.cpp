@@ -41,9 +41,9 @@ double surface_distance(const MeshView& mesh, std::span<const Vec3f> points, con
            (to_double(mesh.positions[v[0]]) + to_double(mesh.positions[v[1]]) + to_double(mesh.positions[v[2]]));
   };
   const TriangleBvh own = tree_of(mesh);
-  return std::max(
-      farthest(corners + mesh.triangles.size(), of_mesh, full, scheduler),
-      farthest(points.size(), [&](std::size_t i) { return to_double(points[i]); }, own, scheduler));
+  return std::max(farthest(corners + mesh.triangles.size(), of_mesh, full, scheduler),
+                  farthest(
+                      points.size(), [&](std::size_t i) { return to_double(points[i]); }, own, scheduler));
 }
 
 }  // namespace lodestone

@@ -1,5 +1,5 @@
-// How far a simplified mesh is from what it was made of: the largest distance of vertices one way, and of middles of
-// triangles and vertices the other way.
+// The distance of a simplified mesh from what it was made of: the largest one of vertices in one direction, and of
+// vertices and middles of triangles in the other.
 #pragma once
 
 #include <span>

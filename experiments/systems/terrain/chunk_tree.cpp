@@ -30,8 +30,10 @@ void ChunkTree::plan() {
     const int level = chunks_[c].level, half = square.side / 2;
     if (square.side <= leaf_side) continue;
     chunks_[c].first_child = static_cast<std::uint32_t>(chunks_.size());
-    for (const Square child : {Square{square.i, square.j, half}, {square.i + half, square.j, half},
-                               {square.i, square.j + half, half}, {square.i + half, square.j + half, half}}) {
+    for (const Square child : {Square{square.i, square.j, half},
+                               {square.i + half, square.j, half},
+                               {square.i, square.j + half, half},
+                               {square.i + half, square.j + half, half}}) {
       if (child.i >= field_.columns() - 1 || child.j >= field_.rows() - 1) continue;  // beyond the field
       chunks_.push_back({.square = child, .level = level + 1, .parent = c});
       ++chunks_[c].child_count;
@@ -98,8 +100,8 @@ void ChunkTree::find_rim(Chunk& chunk) const {
     }
 }
 
-// The parent of a chunk that is drawn is not good enough, so that shares are below 1. They grow so that the error, which
-// is then between those of the two levels, is seen as the tolerance.
+// The parent of a chunk that is drawn is not good enough, so that shares are below 1. They grow so that the error,
+// which is then between those of the two levels, is seen as the tolerance.
 std::vector<DrawnChunk> ChunkTree::chunks_for(Vec3f viewpoint, double reach) const {
   const auto away = [&](const Chunk& chunk) {
     return double{distance(DistanceMetric::euclidean, viewpoint, chunk.box)};
@@ -133,8 +135,8 @@ float ChunkTree::drawn_height(const DrawnChunk& drawn, std::size_t post) const {
 
 float ChunkTree::height_over(const DrawnChunk& drawn, Post post) const {
   const Chunk& chunk = chunks_[drawn.chunk];
-  const float own = chunk.level == finest() ? field_.height(post)
-                                            : triangles_.height(chunk.square, tolerance(chunk.level), post);
+  const float own =
+      chunk.level == finest() ? field_.height(post) : triangles_.height(chunk.square, tolerance(chunk.level), post);
   if (chunk.level == 0) return own;
   return blend(drawn.share, own, triangles_.height(parent_square(chunk), tolerance(chunk.level - 1), post));
 }

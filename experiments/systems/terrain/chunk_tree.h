@@ -1,5 +1,5 @@
-// Chunked levels of detail of a height field (ulrich2002): a quadtree of chunks, each triangulated with the tolerance of
-// its level. Chunks replace their parent; on the way there their posts move to where the parent has them. Chunks of
+// Chunked levels of detail of a height field (ulrich2002): a quadtree of chunks, each triangulated with the tolerance
+// of its level. Chunks replace their parent; on the way there their posts move to where the parent has them. Chunks of
 // different levels do not fit at their borders, and those of one level do not while they move: skirts cover that.
 //
 // Triangulations are those of right_triangles.h, on the finest level that of the surface itself. As published, except

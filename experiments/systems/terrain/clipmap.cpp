@@ -9,7 +9,7 @@ namespace lodestone {
 namespace {
 
 constexpr double longest_leg = 3;         // tolerances
-constexpr double height_of_grid = 0.4;    // of its side: a grid is drawn while the viewer is no higher
+constexpr double height_of_grid = 0.4;    // a grid is left out from a viewer above this share of its side
 constexpr double transition_share = 0.1;  // of the posts along a side
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
@@ -59,8 +59,7 @@ float Clipmap::share(const Grid& grid, Post post) const {
   const auto along = [&](double place, double viewer) {
     return (std::abs(place - viewer) / grid.spacing - (0.5 * grid.squares - width - 1)) / width;
   };
-  return static_cast<float>(
-      std::clamp(std::max(along(post.i, viewer_.column), along(post.j, viewer_.row)), 0.0, 1.0));
+  return static_cast<float>(std::clamp(std::max(along(post.i, viewer_.column), along(post.j, viewer_.row)), 0.0, 1.0));
 }
 
 // On the triangles of the next coarser grid: along its edges, and its diagonals.
@@ -121,7 +120,8 @@ void Clipmap::add_grid(std::size_t number, Mesh& mesh) const {
         for (int i = i0; i < std::min(i0 + strip, end_i); i += s) add_square({i, j});
 }
 
-// Around a grid, counter-clockwise: a triangle from both ends of each edge of the coarser grid to the post between them.
+// Around a grid, counter-clockwise: a triangle from both ends of each edge of the coarser grid to the post between
+// them.
 void Clipmap::close_junctions(const Grid& inner, Mesh& mesh) const {
   const int s = inner.spacing;
   const auto add = [&](Post from, Post by, Post to) {

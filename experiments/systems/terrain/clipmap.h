@@ -1,6 +1,6 @@
-// Geometry clipmaps (losasso2004): nested square grids around the viewer, each with twice the spacing of the one inside.
-// Towards the outer end of a grid its posts move to where the next one has them, and triangles of no area close the
-// junctions of the two: no crack.
+// Geometry clipmaps (losasso2004): nested square grids around the viewer, each with twice the spacing of the one
+// inside. Towards the outer end of a grid its posts move to where the next one has them, and triangles of no area close
+// the junctions of the two: no crack.
 //
 // As published, except that the size of grids follows from the tolerance, coarser levels take their heights from the
 // posts that they keep, as the triangulation here has them, and all are in memory.

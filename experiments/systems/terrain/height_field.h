@@ -19,7 +19,8 @@ struct Post {
 
 class HeightField {
  public:
-  // Throws InputError that names the system where the surface is no grid of posts with two triangles in each square.
+  // Throws InputError that names the system for a surface that is not a grid of posts with two triangles in each
+  // square.
   HeightField(const WeldedSurface& surface, std::string_view system);
 
   [[nodiscard]] int columns() const { return static_cast<int>(across_.size()); }
@@ -30,7 +31,7 @@ class HeightField {
   [[nodiscard]] Post clamped(Post p) const {
     return {std::clamp(p.i, 0, columns() - 1), std::clamp(p.j, 0, rows() - 1)};
   }
-  // Of posts of the grid, in normalised space.
+  // Posts must be of the grid. Heights and places are in normalised space.
   [[nodiscard]] float height(Post p) const { return heights_[index(p)]; }
   [[nodiscard]] PackedNormal normal(Post p) const { return normals_[index(p)]; }
   [[nodiscard]] Vec3f place(Post p, float height) const;
@@ -43,7 +44,7 @@ class HeightField {
     double column = 0, row = 0, height = 0;
   };
   [[nodiscard]] Over over(Vec3f place) const;
-  [[nodiscard]] double spacing() const;  // of posts, mean of both directions
+  [[nodiscard]] double spacing() const;                             // of posts, mean of both directions
   [[nodiscard]] double height_at(double column, double row) const;  // of the nearest place of the grid, bilinear
 
   // All posts, by index.

@@ -69,9 +69,10 @@ float RightTriangles::own_error(const Corners& t) const {
       const Post p{i, j};
       const std::int64_t of_a = turn(b, c, p), of_b = turn(c, a, p), of_c = turn(a, b, p);
       if (of_a < 0 || of_b < 0 || of_c < 0) continue;
-      const double plane = (static_cast<double>(of_a) * field_.height(a) + static_cast<double>(of_b) * field_.height(b) +
-                            static_cast<double>(of_c) * field_.height(c)) /
-                           static_cast<double>(whole);
+      const double plane =
+          (static_cast<double>(of_a) * field_.height(a) + static_cast<double>(of_b) * field_.height(b) +
+           static_cast<double>(of_c) * field_.height(c)) /
+          static_cast<double>(whole);
       error = std::max(error, std::abs(plane - field_.height(p)));
     }
   return static_cast<float>(error * (1 + 1e-6));

@@ -44,8 +44,7 @@ class TreeBuilder {
   void sort_triangles() {
     std::vector<std::uint64_t> code;
     for (const auto& [v] : surface_.triangles) {
-      const Vec3f middle =
-          barycentre(surface_.positions[v[0]], surface_.positions[v[1]], surface_.positions[v[2]]);
+      const Vec3f middle = barycentre(surface_.positions[v[0]], surface_.positions[v[1]], surface_.positions[v[2]]);
       code.push_back(CellCode::from(cell_of(middle, deepest)).morton);
     }
     std::vector<std::uint32_t> order(code.size());

@@ -1,6 +1,6 @@
-// An octree of tiles in the way of tilers for 3D Tiles (ogc2022): each tile has the surface in its cube, simplified alone
-// to about as many triangles as any other, with open borders. Tiles replace their parent. Nothing makes borders of
-// tiles of different levels, or of simplified neighbours, the same: there are cracks, which skirts may cover.
+// An octree of tiles in the way of tilers for 3D Tiles (ogc2022): each tile has the surface in its cube, simplified
+// alone to about as many triangles as any other, with open borders. Tiles replace their parent. Nothing makes borders
+// of tiles of different levels, or of simplified neighbours, the same: there are cracks, which skirts may cover.
 #pragma once
 
 #include <cstdint>
