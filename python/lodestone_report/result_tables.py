@@ -189,7 +189,7 @@ PAGES = [
         Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
                ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE,
-               FRAME, WORST, ("drawn, bytes", "drawn_bytes"), ("memory, bytes", "peak_bytes"),
+               FRAME, WORST, ("drawn MB", "drawn_bytes", MB), ("peak MB", "peak_bytes", MB),
                ("to make, CPU s", "make_cpu_seconds")]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "

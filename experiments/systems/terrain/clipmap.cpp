@@ -53,11 +53,11 @@ bool Clipmap::covers(const Grid& grid) const {
   return grid.contains({0, 0}) && grid.contains({field_.columns() - 1, field_.rows() - 1});
 }
 
-// 1 from a square before the outer end on, 0 up to a tenth of the side before that.
+// 1 from little more than a square before the outer end on, 0 up to a tenth of the side before that.
 float Clipmap::share(const Grid& grid, Post post) const {
   const double width = transition_share * posts_;
   const auto along = [&](double place, double viewer) {
-    return (std::abs(place - viewer) / grid.spacing - (0.5 * grid.squares - width - 1)) / width;
+    return (std::abs(place - viewer) / grid.spacing - (0.5 * grid.squares - width - 1.01)) / width;
   };
   return static_cast<float>(std::clamp(std::max(along(post.i, viewer_.column), along(post.j, viewer_.row)), 0.0, 1.0));
 }
@@ -125,11 +125,8 @@ void Clipmap::add_grid(std::size_t number, Mesh& mesh) const {
 void Clipmap::close_junctions(const Grid& inner, Mesh& mesh) const {
   const int s = inner.spacing;
   const auto add = [&](Post from, Post by, Post to) {
-    const auto is_beyond = [&](Post p) {
-      return p.i < 0 || p.j < 0 || p.i >= field_.columns() - 1 + s || p.j >= field_.rows() - 1 + s;
-    };
     const Post a = field_.clamped(from), b = field_.clamped(by), c = field_.clamped(to);
-    if (is_beyond(by) || a == b || b == c) return;
+    if (a == b || b == c) return;  // beyond an end of the field, where there is no junction
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const Post p : {from, by, to}) {
       mesh.positions.push_back(field_.place(field_.clamped(p), height(inner, p)));
@@ -140,10 +137,10 @@ void Clipmap::close_junctions(const Grid& inner, Mesh& mesh) const {
   for (int k = 0; k < inner.squares; k += 2) {
     const int i = inner.first.i + k * s, j = inner.first.j + k * s;
     const int low = inner.first.j, high = inner.end_j(), left = inner.first.i, right = inner.end_i();
-    if (low > 0) add({i, low}, {i + s, low}, {i + 2 * s, low});
-    if (right < field_.columns() - 1) add({right, j}, {right, j + s}, {right, j + 2 * s});
-    if (high < field_.rows() - 1) add({i + 2 * s, high}, {i + s, high}, {i, high});
-    if (left > 0) add({left, j + 2 * s}, {left, j + s}, {left, j});
+    if (low > 0 && low < field_.rows() - 1) add({i, low}, {i + s, low}, {i + 2 * s, low});
+    if (right > 0 && right < field_.columns() - 1) add({right, j}, {right, j + s}, {right, j + 2 * s});
+    if (high > 0 && high < field_.rows() - 1) add({i + 2 * s, high}, {i + s, high}, {i, high});
+    if (left > 0 && left < field_.columns() - 1) add({left, j + 2 * s}, {left, j + s}, {left, j});
   }
 }
 

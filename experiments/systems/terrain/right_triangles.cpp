@@ -1,6 +1,7 @@
 #include "experiments/systems/terrain/right_triangles.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -107,15 +108,28 @@ std::vector<RightTriangles::Corners> RightTriangles::cut(const Square& square, f
   return out;
 }
 
-float RightTriangles::height(const Square& square, float tolerance, Post p) const {
-  const auto contains = [&](const Corners& t) {
-    const Post a = field_.clamped(t[0]), b = field_.clamped(t[1]), c = field_.clamped(t[2]);
-    return turn(a, b, c) > 0 && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-  };
-  const auto pick = [&](const std::array<Corners, 2>& two) { return contains(two[0]) ? two[0] : two[1]; };
-  Corners t = pick(halves_of(square));
-  while (splits(t, tolerance)) t = pick(halves(t));
+// Beyond the ends of the field, posts that are clamped pull a triangle out of the place where its halves are: then both
+// halves are looked at.
+std::optional<Corners> RightTriangles::find(const Corners& t, float tolerance, Post p) const {
   const Post a = field_.clamped(t[0]), b = field_.clamped(t[1]), c = field_.clamped(t[2]);
+  const auto [left, right] = std::minmax({a.i, b.i, c.i});
+  const auto [low, high] = std::minmax({a.j, b.j, c.j});
+  if (p.i < left || p.i > right || p.j < low || p.j > high) return std::nullopt;
+  const bool within = turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+  const bool moved = !(a == t[0] && b == t[1] && c == t[2]);
+  if (!within && !moved) return std::nullopt;
+  if (!splits(t, tolerance)) return within && turn(a, b, c) > 0 ? std::optional(Corners{a, b, c}) : std::nullopt;
+  for (const Corners& half : halves(t))
+    if (const auto found = find(half, tolerance, p)) return found;
+  return std::nullopt;
+}
+
+float RightTriangles::height(const Square& square, float tolerance, Post p) const {
+  std::optional<Corners> found;
+  for (const Corners& t : halves_of(square))
+    if (!found) found = find(t, tolerance, p);
+  assert(found);
+  const auto& [a, b, c] = *found;
   for (const Post corner : {a, b, c})
     if (corner == p) return field_.height(p);
   const auto whole = static_cast<double>(turn(a, b, c));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "experiments/systems/terrain/height_field.h"
@@ -38,6 +39,7 @@ class RightTriangles {
   }
   [[nodiscard]] bool splits(const Corners& t, float tolerance) const;
   void cut(const Corners& t, float tolerance, std::vector<Corners>& out) const;
+  [[nodiscard]] std::optional<Corners> find(const Corners& t, float tolerance, Post p) const;  // the one with the post
   void measure(const Corners& t, int depth);
   [[nodiscard]] float own_error(const Corners& t) const;
 
