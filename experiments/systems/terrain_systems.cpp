@@ -35,7 +35,8 @@ class TerrainChunks final : public Patches {
       place_posts(drawn);
       cells.push_back(cells_.add({positions_, normals_, tree_.chunks()[drawn.chunk].triangles}));
       hang_skirt(drawn);
-      cells.push_back(cells_.add({positions_, normals_, skirt_}));
+      const CellId skirt = cells_.add({positions_, normals_, skirt_});
+      if (!skirt_.empty()) cells.push_back(skirt);
     }
     return cells;
   }

@@ -22,11 +22,11 @@ struct Chunk {
   Square square;
   int level = 0;
   std::uint32_t parent = 0, first_child = 0, child_count = 0;
-  Box3f box;  // of all posts in the square
-  std::vector<Post> posts;
-  std::vector<float> parent_heights;  // of the posts, in the triangulation of the level above; of the root its own
-  std::vector<Triangle> triangles;    // of places in `posts`, as the surface turns its face
-  std::vector<std::array<std::uint32_t, 2>> rim;  // edges inside of the field, in the direction of their triangles
+  Box3f box{};  // of all posts in the square
+  std::vector<Post> posts{};
+  std::vector<float> parent_heights{};  // of the posts, in the triangulation of the level above; of the root its own
+  std::vector<Triangle> triangles{};    // of places in `posts`, as the surface turns its face
+  std::vector<std::array<std::uint32_t, 2>> rim{};  // edges inside of the field, in the direction of their triangles
 };
 
 // A chunk that is drawn, and its share of the way to its parent.
