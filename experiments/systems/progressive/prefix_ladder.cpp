@@ -11,6 +11,7 @@ namespace lodestone {
 namespace {
 
 constexpr double step_ratio = std::numbers::sqrt2;
+constexpr double least_rise = 1.2;  // of the error from step to step: vertices would move at once with less
 constexpr std::size_t fewest_triangles = 100;
 
 ProgressiveMesh progressive_of(const WeldedSurface& surface, const Transform& transform, Scheduler& scheduler) {
@@ -37,19 +38,21 @@ PrefixLadder::PrefixLadder(const WeldedSurface& surface, const Transform& transf
       levels_(mesh_),
       normals_(lodestone::normals_at(surface, mesh_.positions)) {
   const TriangleBvh full = tree_of({mesh_.positions, mesh_.triangles});
-  const std::vector<std::uint32_t> counts = prefixes(mesh_, levels_);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    PlacedLevel level = levels_.placed_level(counts[i]);
+  for (const std::uint32_t count : prefixes(mesh_, levels_)) {
+    PlacedLevel level = levels_.placed_level(count);
     LadderStep step;
-    if (i > 0)
+    if (!steps_.empty())
       step.error = std::max(steps_.back().error,
                             surface_distance({level.positions, level.triangles}, mesh_.positions, full, scheduler));
     for (const std::uint32_t t : coherent_order(level.positions, level.triangles))
       step.triangles.push_back(level.triangles[t]);
     step.positions = std::move(level.positions);
-    if (i + 1 < counts.size()) step.ancestor = levels_.compute_geomorph(counts[i + 1], counts[i]);
+    if (steps_.size() > 1 && step.error < least_rise * steps_.back().error) steps_.pop_back();
     steps_.push_back(std::move(step));
   }
+  for (std::size_t i = 0; i + 1 < steps_.size(); ++i)
+    steps_[i].ancestor = levels_.compute_geomorph(static_cast<std::uint32_t>(steps_[i + 1].positions.size()),
+                                                  static_cast<std::uint32_t>(steps_[i].positions.size()));
 }
 
 PrefixLadder::Place PrefixLadder::place_for(double error) const {

@@ -22,8 +22,8 @@ struct LadderStep {
 
 class PrefixLadder {
  public:
-  // From step to step triangles decrease by a factor of the square root of two, down to some 100, or to what does not
-  // collapse. Throws what make_progressive throws.
+  // From step to step triangles decrease by a factor of the square root of two, or more where the error would hardly
+  // grow, down to some 100, or to what does not collapse. Throws what make_progressive throws.
   PrefixLadder(const WeldedSurface& surface, const Transform& transform, Scheduler& scheduler);
   PrefixLadder(const PrefixLadder&) = delete;
   PrefixLadder& operator=(const PrefixLadder&) = delete;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/progressive/mesh/level.h"
 #include "experiments/metrics/drawn/border.h"
 #include "experiments/systems/progressive/split_forest.h"
 #include "experiments/systems/surface/surface_distance.h"
