@@ -33,15 +33,15 @@ TriangleBvh tree_of(const MeshView& mesh) {
 
 double surface_distance(const MeshView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
                         Scheduler& scheduler) {
-  const std::size_t corners = 3 * mesh.triangles.size();
+  const std::size_t vertices = mesh.positions.size();
   const auto of_mesh = [&](std::size_t i) {
-    if (i < corners) return to_double(mesh.positions[mesh.triangles[i / 3].v[i % 3]]);
-    const auto& [v] = mesh.triangles[i - corners];
+    if (i < vertices) return to_double(mesh.positions[i]);
+    const auto& [v] = mesh.triangles[i - vertices];
     return (1.0 / 3) *
            (to_double(mesh.positions[v[0]]) + to_double(mesh.positions[v[1]]) + to_double(mesh.positions[v[2]]));
   };
   const TriangleBvh own = tree_of(mesh);
-  return std::max(farthest(corners + mesh.triangles.size(), of_mesh, full, scheduler),
+  return std::max(farthest(vertices + mesh.triangles.size(), of_mesh, full, scheduler),
                   farthest(
                       points.size(), [&](std::size_t i) { return to_double(points[i]); }, own, scheduler));
 }

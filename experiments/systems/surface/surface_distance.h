@@ -13,7 +13,7 @@
 namespace lodestone {
 
 struct MeshView {
-  std::span<const Vec3f> positions;
+  std::span<const Vec3f> positions;     // all of them corners of triangles
   std::span<const Triangle> triangles;  // at least one
 };
 
