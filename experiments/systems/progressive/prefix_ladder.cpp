@@ -41,11 +41,11 @@ PrefixLadder::PrefixLadder(const WeldedSurface& surface, const Transform& transf
   for (const std::uint32_t count : prefixes(mesh_, levels_)) {
     PlacedLevel level = levels_.placed_level(count);
     LadderStep step;
-    if (!steps_.empty())
-      step.error = std::max(steps_.back().error,
-                            surface_distance({level.positions, level.triangles}, mesh_.positions, full, scheduler));
     for (const std::uint32_t t : coherent_order(level.positions, level.triangles))
       step.triangles.push_back(level.triangles[t]);
+    if (!steps_.empty())
+      step.error = std::max(steps_.back().error,
+                            surface_distance({level.positions, step.triangles}, surface.positions, full, scheduler));
     step.positions = std::move(level.positions);
     if (steps_.size() > 1 && step.error < least_rise * steps_.back().error) steps_.pop_back();
     steps_.push_back(std::move(step));

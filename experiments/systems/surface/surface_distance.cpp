@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lodestone {
 namespace {
 
-template <class PointOf>
-double farthest(std::size_t count, const PointOf& point_of, const TriangleBvh& other, Scheduler& scheduler) {
+double farthest(std::span<const Vec3f> points, const TriangleBvh& other, Scheduler& scheduler) {
   constexpr std::size_t grain = 4096;
-  std::vector<double> partial(chunk_count(count, grain), 0);
-  scheduler.for_chunks(count, grain, [&](ChunkRange range) {
+  std::vector<double> partial(chunk_count(points.size(), grain), 0);
+  scheduler.for_chunks(points.size(), grain, [&](ChunkRange range) {
     std::uint32_t hint = TriangleBvh::no_hint;
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      const TriangleBvh::Nearest nearest = other.nearest(point_of(i), hint);
+    for (const Vec3f p : points.subspan(range.begin, range.end - range.begin)) {
+      const TriangleBvh::Nearest nearest = other.nearest(to_double(p), hint);
       hint = nearest.slot;
       partial[range.index] = std::max(partial[range.index], nearest.squared_distance);
     }
@@ -21,6 +21,19 @@ double farthest(std::size_t count, const PointOf& point_of, const TriangleBvh& o
   double all = 0;
   for (const double squared : partial) all = std::max(all, squared);
   return std::sqrt(all);
+}
+
+// Corners and middles in the order of the triangles: points side by side are near each other, as these are.
+std::vector<Vec3f> samples_of(const MeshView& mesh) {
+  std::vector<std::uint8_t> seen(mesh.positions.size(), 0);
+  std::vector<Vec3f> samples;
+  for (const auto& [v] : mesh.triangles) {
+    const Vec3f a = mesh.positions[v[0]], b = mesh.positions[v[1]], c = mesh.positions[v[2]];
+    samples.push_back(to_float((1.0 / 3) * (to_double(a) + to_double(b) + to_double(c))));
+    for (const std::uint32_t corner : v)
+      if (!std::exchange(seen[corner], 1)) samples.push_back(mesh.positions[corner]);
+  }
+  return samples;
 }
 
 }  // namespace
@@ -33,17 +46,7 @@ TriangleBvh tree_of(const MeshView& mesh) {
 
 double surface_distance(const MeshView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
                         Scheduler& scheduler) {
-  const std::size_t vertices = mesh.positions.size();
-  const auto of_mesh = [&](std::size_t i) {
-    if (i < vertices) return to_double(mesh.positions[i]);
-    const auto& [v] = mesh.triangles[i - vertices];
-    return (1.0 / 3) *
-           (to_double(mesh.positions[v[0]]) + to_double(mesh.positions[v[1]]) + to_double(mesh.positions[v[2]]));
-  };
-  const TriangleBvh own = tree_of(mesh);
-  return std::max(farthest(vertices + mesh.triangles.size(), of_mesh, full, scheduler),
-                  farthest(
-                      points.size(), [&](std::size_t i) { return to_double(points[i]); }, own, scheduler));
+  return std::max(farthest(samples_of(mesh), full, scheduler), farthest(points, tree_of(mesh), scheduler));
 }
 
 }  // namespace lodestone
