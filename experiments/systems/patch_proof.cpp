@@ -40,12 +40,23 @@ SurfaceSample PatchProof::measure(const DrawnPatches& drawn, const Screen& scree
     if (!expected(edge.vertex[0]) || !expected(edge.vertex[1])) ++sample.open_edges;
   sample.t_junctions = t_junctions(positions, triangles, junction_distance_, scheduler_).vertices;
   if (!full_depth || !border_.empty()) return sample;
-  DrawnMesh all = drawn.surface;
-  const auto first = static_cast<std::uint32_t>(positions.size());
-  all.positions.insert(all.positions.end(), drawn.skirts.positions.begin(), drawn.skirts.positions.end());
-  for (const auto& [v] : drawn.skirts.triangles) all.triangles.push_back({{first + v[0], first + v[1], first + v[2]}});
-  const LeakReport leaks = find_leaks(all.positions, all.triangles, screen, scheduler_, {.full_depth = *full_depth});
+  const auto look = [&](const DrawnMesh& mesh) {
+    return find_leaks(mesh.positions, mesh.triangles, screen, scheduler_, {.full_depth = *full_depth});
+  };
+  const LeakReport leaks = look(drawn.surface);
   sample.torn_pixels = leaks.torn, sample.leak_pixels = leaks.leak_pixels();
+  if (drawn.skirts.triangles.empty()) return sample;
+
+  // Rays meet skirts that hang in a closed model, too: those that leak with and without them are seen to leak.
+  DrawnMesh covered = drawn.surface;
+  const auto first = static_cast<std::uint32_t>(positions.size());
+  covered.positions.insert(covered.positions.end(), drawn.skirts.positions.begin(), drawn.skirts.positions.end());
+  for (const auto& [v] : drawn.skirts.triangles)
+    covered.triangles.push_back({{first + v[0], first + v[1], first + v[2]}});
+  const LeakReport still = look(covered);
+  std::uint64_t both = 0;
+  for (std::size_t p = 0; p < leaks.leaks.size(); ++p) both += leaks.leaks[p] & still.leaks[p];
+  sample.leak_pixels = both;
   return sample;
 }
 
