@@ -26,8 +26,8 @@ class PatchProof {
   PatchProof(const DrawnMesh& full, double junction_distance, Scheduler& scheduler);
 
   // Open edges are edges of the border with an end where the full surface has no border, nor a point of its border has
-  // been placed; there are no gaps of vertices and no jumps. Leaks of closed models, where a depth is given, as in
-  // ProofFrame.
+  // been placed; there are no gaps of vertices and no jumps. Torn pixels, of the surface alone, and leaks of closed
+  // models, where a depth is given, as in ProofFrame.
   [[nodiscard]] SurfaceSample measure(const DrawnPatches& drawn, const Screen& screen,
                                       std::optional<std::span<const float>> full_depth) const;
 
