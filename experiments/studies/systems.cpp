@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "experiments/metrics/cost/cost.h"
 #include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/frame_measures.h"
@@ -56,6 +57,9 @@ std::vector<ColumnInfo> columns() {
       {"pictures", "", "drawn for a frame, mean", cost},
       {"make_cpu_seconds", "s", "processor time to make what the system draws from, from the mesh, or the finest level",
        cost},
+      {"peak_bytes", "bytes", "largest resident set while making that and drawing, the model included", cost},
+      {"drawn_bytes", "bytes", "vertices and triangles of the surface as drawn, before culling, mean over the frames",
+       cost},
       {"screen_error", "pixels", "largest distance on the screen between the drawn and the full surface", accuracy},
       {"shift_pixels", "pixels",
        "largest distance on the screen between the surface and that of the frame before, by one camera", accuracy},
@@ -97,11 +101,12 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
   SurfaceSummary cracks_and_pops;
   PictureSummary seen;
   WorstPicture worst;
-  double screen_error = 0, shift = 0;
+  double screen_error = 0, shift = 0, bytes = 0;
   (void)fly_systems(
       scene, renderer, config, *study.scheduler,
       [&](const SystemRow& frame, const SystemPicture& drawn, const Image& full) {
         cracks_and_pops.add(*frame.surface);
+        for (const SystemModel& model : drawn.models) bytes += static_cast<double>(drawn_bytes(model));
         screen_error = std::max(screen_error, frame.screen_error.value_or(0));
         shift = std::max(shift, frame.shift_pixels.value_or(0));
         PictureSample sample{frame.quality, {}, {}};
@@ -114,6 +119,7 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
   if (lod_system(config.systems.front()).patches)
     for (const std::string gap : {"gap_max", "gap_mean", "gap_pixels", "gap_mean_pixels"}) row[gap] = nullptr;
   row["screen_error"] = screen_error, row["shift_pixels"] = shift;
+  row["drawn_bytes"] = bytes / static_cast<double>(config.cameras.size());
   seen.add_to(row);
   worst.write(study.context.directory, *study.scheduler);
 }
@@ -140,11 +146,13 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const SystemFlightConfig config = flight_config(parameters, hierarchy, context);
   SceneView scene(scene_of("input"), {{&hierarchy}});
   const auto renderer = make_renderer(parameters.text("backend"), *study.scheduler);
+  const CostMeter meter;
   Row row;
   SystemPictures pictures(scene, *renderer, *study.scheduler, config.system);
   if (lod_system(config.systems.front()).patches) made = pictures.prepare(config.systems.front()).cpu_seconds;
   row["make_cpu_seconds"] = made;
   add_times(row, pictures, config, study);
+  row["peak_bytes"] = meter.elapsed().peak_memory;
   row["admissible"] = lod_system(config.systems.front()).keeps_promise && scene.admissible();
   if (context.repetition == 0) add_accuracy(row, scene, *renderer, config, study);
   return {row};

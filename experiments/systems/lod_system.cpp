@@ -8,6 +8,9 @@
 #include "core/base/registry.h"
 #include "core/hierarchy/model/distance_metric.h"
 #include "experiments/systems/cluster_dag_system.h"
+#include "experiments/systems/progressive_systems.h"
+#include "experiments/systems/terrain_systems.h"
+#include "experiments/systems/tiles_system.h"
 
 namespace lodestone {
 namespace {
@@ -48,6 +51,12 @@ Registry<LodSystem>& systems() {
                             .moves_vertices = false});
     for (const bool measured : {false, true})
       ours.add(measured ? "cluster-dag-measured" : "cluster-dag", cluster_dag_system(measured));
+    ours.add("progressive-whole", progressive_whole_system());
+    ours.add("vdpm", vdpm_system());
+    for (const bool skirts : {false, true})
+      ours.add(skirts ? "tiles-replace-skirts" : "tiles-replace", tiles_system(skirts));
+    ours.add("chunked-skirts", chunked_system());
+    ours.add("clipmap", clipmap_system());
     ours.add(std::string(full_system),
              {"the finest level, what the others are measured against", [](const SystemQuery& q) {
                 return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};

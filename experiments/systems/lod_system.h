@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,12 @@ struct SystemPart {
   double share = 1;
 };
 
+// Points of the finest level, and where a system has drawn them.
+struct DrawnPoints {
+  std::span<const Vec3f> points;
+  std::vector<Vec3f> places;  // one for each
+};
+
 // Patches, each drawn as it is, that a system has instead of the cells of the model.
 class Patches {
  public:
@@ -41,8 +48,16 @@ class Patches {
   // One level, whose cells are the patches, in the normalised space of the model. The box of the first is that of the
   // whole model, which cameras look at.
   [[nodiscard]] virtual const Hierarchy& hierarchy() const = 0;
-  // Those that are drawn for the whole surface, ascending. An error of 1 is within the tolerance from `reach` on.
-  [[nodiscard]] virtual std::vector<CellId> select(Vec3f viewpoint, double reach) const = 0;
+  // Those that are drawn for the whole surface, ascending; those of the call before are drawn no more. An error of 1 is
+  // within the tolerance from `reach` on. The same for the same arguments, whatever was drawn before.
+  [[nodiscard]] virtual std::vector<CellId> select(Vec3f viewpoint, double reach) = 0;
+  // True if select() makes patches anew: they are sent to the renderer each time.
+  [[nodiscard]] virtual bool remakes() const { return false; }
+  // True for a patch that only covers cracks: it is not a part of the surface.
+  [[nodiscard]] virtual bool is_skirt(CellId /*cell*/) const { return false; }
+  // Points as select() has placed them; none for systems whose vertices cannot be followed. Where a vertex is drawn at
+  // a border of the model, its place is one of these, bit for bit.
+  [[nodiscard]] virtual DrawnPoints drawn_points() const { return {}; }
 };
 
 struct LodSystem {
@@ -52,10 +67,10 @@ struct LodSystem {
   std::function<std::vector<SystemPart>(const SystemQuery&)> parts = {};
   bool keeps_promise = false;  // neither cracks nor pops with admissible radii
   bool blends = false;         // two pictures at times, so that it draws scenes of one model alone
-  bool moves_vertices = true;  // false: what changes is in the pictures alone, and there are no jumps
+  bool moves_vertices = true;  // false: vertices are not followed, and there are no jumps
   // Instead of parts: makes the patches of a model from its finest level, once. Throws InputError for a model that it
   // cannot draw. The same for any scheduler.
-  std::function<std::shared_ptr<const Patches>(const Hierarchy&, Scheduler&)> patches = {};
+  std::function<std::shared_ptr<Patches>(const Hierarchy&, Scheduler&)> patches = {};
   std::optional<RadiiRule> radii = {};  // instead of the view's
 };
 
@@ -73,6 +88,10 @@ void add_lod_system(const std::string& name, LodSystem system);
 // "discrete": cells by distance, each at the level that the distance chooses, no morph: it pops, and cracks.
 // "cross-fade": the whole model at one level; two pictures blended while levels change: no cracks, ghosts.
 // "cluster-dag", "cluster-dag-measured": clusters of the finest level (cluster_dag/cluster_dag.h), exchanged in groups.
+// "progressive-whole": a progressive mesh as a whole, vertices morphed from prefix to prefix.
+// "vdpm": a progressive mesh, refined where it is seen.
+// "tiles-replace", "tiles-replace-skirts": tiles that are simplified alone and replace each other.
+// "chunked-skirts", "clipmap": of height fields; chunks of a quadtree, and nested grids around the viewer.
 // "full": M_L, what the others are measured against.
 // Then what was added.
 [[nodiscard]] std::vector<std::string> lod_system_names();

@@ -12,6 +12,10 @@ namespace {
 
 bool comes_before(Vec3d a, Vec3d b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
+bool is_in(const std::vector<Vec3d>& ascending, Vec3d p) {
+  return std::ranges::binary_search(ascending, p, comes_before);
+}
+
 }  // namespace
 
 PatchProof::PatchProof(const DrawnMesh& full, double junction_distance, Scheduler& scheduler)
@@ -21,21 +25,38 @@ PatchProof::PatchProof(const DrawnMesh& full, double junction_distance, Schedule
   std::ranges::sort(border_, comes_before);
 }
 
-SurfaceSample PatchProof::measure(const DrawnMesh& drawn, const Screen& screen,
+SurfaceSample PatchProof::measure(const DrawnPatches& drawn, const Screen& screen,
                                   std::optional<std::span<const float>> full_depth) const {
+  const auto& [positions, triangles] = drawn.surface;
+  std::vector<Vec3d> moved;  // of the border
+  for (std::size_t i = 0; i < drawn.points.places.size(); ++i)
+    if (is_in(border_, to_double(drawn.points.points[i]))) moved.push_back(to_double(drawn.points.places[i]));
+  std::ranges::sort(moved, comes_before);
+  const auto expected = [&](std::uint32_t v) { return is_in(border_, positions[v]) || is_in(moved, positions[v]); };
+
   SurfaceSample sample;
-  sample.triangles = drawn.triangles.size();
-  const auto expected = [&](std::uint32_t v) {
-    return std::ranges::binary_search(border_, drawn.positions[v], comes_before);
-  };
-  for (const BorderEdge& edge : border_edges(drawn.positions, drawn.triangles))
+  sample.triangles = triangles.size() + drawn.skirts.triangles.size();
+  for (const BorderEdge& edge : border_edges(positions, triangles))
     if (!expected(edge.vertex[0]) || !expected(edge.vertex[1])) ++sample.open_edges;
-  sample.t_junctions = t_junctions(drawn.positions, drawn.triangles, junction_distance_, scheduler_).vertices;
-  if (full_depth && border_.empty()) {
-    const LeakReport leaks =
-        find_leaks(drawn.positions, drawn.triangles, screen, scheduler_, {.full_depth = *full_depth});
-    sample.torn_pixels = leaks.torn, sample.leak_pixels = leaks.leak_pixels();
-  }
+  sample.t_junctions = t_junctions(positions, triangles, junction_distance_, scheduler_).vertices;
+  if (!full_depth || !border_.empty()) return sample;
+  const auto look = [&](const DrawnMesh& mesh) {
+    return find_leaks(mesh.positions, mesh.triangles, screen, scheduler_, {.full_depth = *full_depth});
+  };
+  const LeakReport leaks = look(drawn.surface);
+  sample.torn_pixels = leaks.torn, sample.leak_pixels = leaks.leak_pixels();
+  if (drawn.skirts.triangles.empty()) return sample;
+
+  // Rays meet skirts that hang in a closed model, too: those that leak with and without them are seen to leak.
+  DrawnMesh covered = drawn.surface;
+  const auto first = static_cast<std::uint32_t>(positions.size());
+  covered.positions.insert(covered.positions.end(), drawn.skirts.positions.begin(), drawn.skirts.positions.end());
+  for (const auto& [v] : drawn.skirts.triangles)
+    covered.triangles.push_back({{first + v[0], first + v[1], first + v[2]}});
+  const LeakReport still = look(covered);
+  std::uint64_t both = 0;
+  for (std::size_t p = 0; p < leaks.leaks.size(); ++p) both += leaks.leaks[p] & still.leaks[p];
+  sample.leak_pixels = both;
   return sample;
 }
 

@@ -8,6 +8,7 @@
 #include "experiments/metrics/cracks/t_junctions.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "experiments/systems/patch_proof.h"
+#include "experiments/systems/place_jumps.h"
 
 namespace lodestone {
 namespace {
@@ -17,6 +18,7 @@ struct Past {
   ErrorMap absolute, flip;
   std::vector<std::unique_ptr<FrameProof>> proofs;  // of the models
   std::vector<std::unique_ptr<MeasuredSurface>> surfaces;
+  std::vector<PlacedFrame> placed;  // points of patches
 };
 
 class Flight {
@@ -24,7 +26,7 @@ class Flight {
   Flight(SceneView& scene, Renderer& renderer, const SystemFlightConfig& config, Scheduler& scheduler)
       : config_(config), scheduler_(scheduler), pictures_(scene, renderer, scheduler, config.system) {
     past_.resize(config.systems.size());
-    for (Past& past : past_) past.surfaces.resize(scene.model_count());
+    for (Past& past : past_) past.surfaces.resize(scene.model_count()), past.placed.resize(scene.model_count());
     const bool patches = config.geometry &&
                          std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
     for (std::size_t m = 0; (patches || config.screen) && m < scene.model_count(); ++m) {
@@ -84,8 +86,7 @@ class Flight {
     if (config_.quality.with_flip) row.flip_pops = pops.back();
   }
 
-  SurfaceSample measure_surface(const SystemPicture& drawn, const Image& full, const Past& past,
-                                const SystemRow& row) const {
+  SurfaceSample measure_surface(const SystemPicture& drawn, const Image& full, Past& past, const SystemRow& row) const {
     SurfaceSample all;
     for (std::size_t m = 0; m < drawn.models.size(); ++m) {
       const SystemModel& model = drawn.models[m];
@@ -93,9 +94,8 @@ class Flight {
       const bool alone = drawn.models.size() == 1;
       std::optional<std::span<const float>> depth;
       if (config_.leaks) depth = alone ? std::span<const float>(full.depth) : std::span<const float>();
-      if (drawn.patches) {
-        const Screen screen(model.view_projection, config_.view.size);
-        add(all, patch_proofs_[m].measure(drawn_mesh(model.context(), model.whole), screen, depth));
+      if (model.patches) {
+        add(all, measure_patches(model, patch_proofs_[m], depth, past.placed[m]));
         continue;
       }
       MorphContext promise = model.context();
@@ -108,6 +108,18 @@ class Flight {
       add(all, past.proofs[m]->measure(frame));
     }
     return all;
+  }
+
+  SurfaceSample measure_patches(const SystemModel& model, const PatchProof& proof,
+                                std::optional<std::span<const float>> depth, PlacedFrame& before) const {
+    const Screen screen(model.view_projection, config_.view.size);
+    DrawnPoints points = model.patches->drawn_points();
+    SurfaceSample sample = proof.measure(
+        {drawn_mesh(model.context(), model.whole), drawn_mesh(model.context(), model.skirts), points}, screen, depth);
+    PlacedFrame placed{std::move(points.places), model.viewpoint};
+    if (!placed.places.empty() && !before.places.empty()) sample.jump = place_jumps(before, placed, screen);
+    before = std::move(placed);
+    return sample;
   }
 
   void measure_screen(const SystemPicture& drawn, Past& past, SystemRow& row) {

@@ -31,8 +31,9 @@ void check_parts(std::string_view name, const std::vector<SystemPart>& parts, st
 Selection in_sight(const SystemModel& model, const ViewProjection& projection) {
   const Frustum frustum = frustum_of(projection);
   Selection seen;
-  for (const SelectedCell& cell : model.whole.cells)
-    if (!is_outside(frustum, model.hierarchy->cells[cell.cell].bounds, 0)) seen.cells.push_back(cell);
+  for (const Selection* part : {&model.whole, &model.skirts})
+    for (const SelectedCell& cell : part->cells)
+      if (!is_outside(frustum, model.hierarchy->cells[cell.cell].bounds, 0)) seen.cells.push_back(cell);
   return seen;
 }
 
@@ -47,6 +48,20 @@ Image blended(const Image& a, const Image& b, double share) {
   return image;
 }
 
+std::uint64_t drawn_bytes(const SystemModel& model) {
+  const auto index_bytes = [](const auto& view) {
+    return view.size() * view.words * (view.is_short() ? sizeof(std::uint16_t) : sizeof(std::uint32_t));
+  };
+  std::uint64_t bytes = 0;
+  for (const Selection* part : {&model.whole, &model.skirts})
+    for (const SelectedCell& drawn : part->cells) {
+      const Cell& cell = model.hierarchy->cells[drawn.cell];
+      bytes += cell.positions.size_bytes() + cell.normals.size_bytes();
+      bytes += index_bytes(cell.parents) + index_bytes(cell.triangles);
+    }
+  return bytes;
+}
+
 SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, Scheduler& scheduler, const SystemConfig& config)
     : scene_(scene), renderer_(renderer), scheduler_(scheduler), config_(config) {
   for (std::size_t m = 0; m < scene.model_count(); ++m)
@@ -54,8 +69,8 @@ SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, Scheduler& 
       throw InputError("LOD systems are compared on whole models; open the scene without a memory budget");
 }
 
-void SystemPictures::show(SceneView& view) {
-  if (shown_ == &view) return;
+void SystemPictures::show(SceneView& view, bool remade) {
+  if (shown_ == &view && !remade) return;
   view.upload(renderer_);
   shown_ = &view;
 }
@@ -80,15 +95,14 @@ StageTime SystemPictures::prepare(std::string_view system) {
 
 SystemPicture SystemPictures::draw_patches(OwnScene& own, const Camera& camera, const ViewConfig& view) {
   if (view.radii.kappa0) throw InputError("patches follow a tolerance in pixels; give a pixel error instead of kappa0");
-  show(*own.view);
   ViewConfig config = view;
   config.radii.rule = RadiiRule::per_level;  // one level has no radii, by any rule
   (void)own.view->update(camera, config);
   const double reach = radius_over_error(for_picture(view.radii, view.size, camera.vertical_fov));
 
   SystemPicture picture;
-  picture.patches = true;
   picture.models.resize(own.models.size());
+  bool remade = false;
   Frame frame = own.view->frame();
   for (std::size_t m = 0; m < own.models.size(); ++m) {
     SystemModel& model = picture.models[m];
@@ -99,11 +113,15 @@ SystemPicture SystemPictures::draw_patches(OwnScene& own, const Camera& camera, 
              .blend = morph.blend,
              .viewpoint = morph.viewpoint,
              .whole = {},
-             .view_projection = frame.models[m].view_projection};
+             .view_projection = frame.models[m].view_projection,
+             .patches = own.models[m].get()};
     for (const CellId cell : own.models[m]->select(model.viewpoint, reach))
-      model.whole.cells.push_back({.cell = cell, .level = 0, .visible = true, .morphing = false});
+      (model.patches->is_skirt(cell) ? model.skirts : model.whole)
+          .cells.push_back({.cell = cell, .level = 0, .visible = true, .morphing = false});
     morph.radii = &model.radii;
+    remade = remade || model.patches->remakes();
   }
+  show(*own.view, remade);
   draw_frame(
       frame, [&](std::size_t m, const ViewProjection& projection) { return in_sight(picture.models[m], projection); },
       picture);

@@ -1,6 +1,7 @@
 // Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -28,16 +29,22 @@ struct SystemModel {
   Vec3f viewpoint;
   Selection whole;                 // a partition (keep_culled)
   ViewProjection view_projection;  // of its normalised space
+  // Whose cells these are, where a system has its own; what its skirts are.
+  const Patches* patches = nullptr;
+  Selection skirts{};
 
   // Points into this object.
   [[nodiscard]] MorphContext context() const { return {hierarchy, &radii, blend, viewpoint}; }
 };
 
+// The size of the vertices and triangles of the surface before culling, skirts included.
+[[nodiscard]] std::uint64_t drawn_bytes(const SystemModel& model);
+
+// Cells of patches that are remade are those of the last picture of the system.
 struct SystemPicture {
   Image image;
-  FrameStats stats;      // of all pictures, added up
-  int pictures = 1;      // that were drawn and blended
-  bool patches = false;  // the models are patches of the system's own
+  FrameStats stats;  // of all pictures, added up
+  int pictures = 1;  // that were drawn and blended
   std::vector<SystemModel> models;
 };
 
@@ -57,12 +64,12 @@ class SystemPictures {
 
  private:
   struct OwnScene {
-    std::vector<std::shared_ptr<const Patches>> models;
+    std::vector<std::shared_ptr<Patches>> models;
     std::unique_ptr<SceneView> view;
     StageTime time;
   };
   OwnScene& own_scene(std::string_view name, const LodSystem& system);
-  void show(SceneView& view);
+  void show(SceneView& view, bool remade = false);
   [[nodiscard]] SystemPicture draw_patches(OwnScene& own, const Camera& camera, const ViewConfig& view);
   using SelectInSight = std::function<Selection(std::size_t model, const ViewProjection& projection)>;
   void draw_frame(Frame& frame, const SelectInSight& select, SystemPicture& picture);

@@ -193,13 +193,14 @@ PAGES = [
        "machine, list scheduling replays what one worker did; what workers take from each other is measured by copies of the "
        "job that run at once."),
     Page("systems", [
-        Table("Systems on the same path", ("scans", "generated", "orbit"),
+        Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
                ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE,
-               FRAME, WORST, ("to make, CPU s", "make_cpu_seconds")]),
+               FRAME, WORST, ("drawn MB", "drawn_bytes", MB), ("peak MB", "peak_bytes", MB),
+               ("to make, CPU s", "make_cpu_seconds")]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
-       "measured errors. Every system is a run of its own, and repetitions take turns."),
+       "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns."),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,

@@ -144,12 +144,12 @@ TEST(PatchProof, SeesAClusterThatIsMissing) {
   full.triangles = mesh().triangles;
   const PatchProof proof(full, 1e-6, *scheduler);
   const Screen screen({}, {16, 16});
-  EXPECT_EQ(proof.measure(full, screen, {}).open_edges, 0);
+  EXPECT_EQ(proof.measure({full, {}, {}}, screen, {}).open_edges, 0);
   DrawnMesh torn = full;
   torn.triangles.pop_back();
-  EXPECT_EQ(proof.measure(torn, screen, {}).open_edges, 3);
+  EXPECT_EQ(proof.measure({torn, {}, {}}, screen, {}).open_edges, 3);
   const PatchProof expects_it(torn, 1e-6, *scheduler);
-  EXPECT_EQ(expects_it.measure(torn, screen, {}).open_edges, 0) << "the model has that border itself";
+  EXPECT_EQ(expects_it.measure({torn, {}, {}}, screen, {}).open_edges, 0) << "the model has that border itself";
 }
 
 TEST(ClusterDagSystem, DrawsClosedSurfacesWithinAFewPixels) {

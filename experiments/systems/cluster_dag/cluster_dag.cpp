@@ -72,7 +72,7 @@ class DagBuilder {
   void add_surface(std::span<const Triangle> triangles) {
     if (triangles.empty()) return;
     std::vector<std::uint8_t> taken(positions_.size(), 0);
-    for (Cluster& cluster : cut_into_clusters(cluster_mesh(triangles, positions_), config_)) {
+    for (Cluster& cluster : cut_into_clusters(part_mesh(triangles, positions_), config_)) {
       cluster.own = around(cluster, positions_);
       Open open{static_cast<std::uint32_t>(clusters_.size()), {}};
       for (const std::uint32_t v : cluster.vertices)
@@ -120,7 +120,7 @@ class DagBuilder {
       made.ball.radius = std::max(made.ball.radius, (length(ball.centre - made.ball.centre) + ball.radius) * outward);
     }
 
-    ClusterMesh mesh = cluster_mesh(triangles, positions_);
+    PartMesh mesh = part_mesh(triangles, positions_);
     std::vector<std::uint8_t> stays;
     for (const std::uint32_t v : mesh.vertices) stays.push_back(locked[v]);
     Simplified simplified = simplify_to_half(mesh, stays);
@@ -135,8 +135,7 @@ class DagBuilder {
 
   // The largest distance between the new triangles of a group and the surface. Each vertex of the surface that was
   // nearest to one of the group goes on with the cluster that is nearest to it now.
-  [[nodiscard]] double measure(const ClusterMesh& mesh, const std::vector<std::uint32_t>& group,
-                               Replacement& made) const {
+  [[nodiscard]] double measure(const PartMesh& mesh, const std::vector<std::uint32_t>& group, Replacement& made) const {
     const std::vector<Vec3d> at = doubles(mesh.positions);
     double farthest = 0;
     const auto see = [&](Vec3d p) { farthest = std::max(farthest, surface_->nearest(p).squared_distance); };

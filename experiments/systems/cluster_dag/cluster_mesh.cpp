@@ -18,20 +18,7 @@ std::vector<unsigned> indices_of(std::span<const Triangle> triangles) {
 
 }  // namespace
 
-ClusterMesh cluster_mesh(std::span<const Triangle> triangles, std::span<const Vec3f> surface) {
-  ClusterMesh mesh;
-  mesh.vertices = indices_of(triangles);
-  std::ranges::sort(mesh.vertices);
-  mesh.vertices.erase(std::ranges::unique(mesh.vertices).begin(), mesh.vertices.end());
-  for (const std::uint32_t v : mesh.vertices) mesh.positions.push_back(surface[v]);
-  const auto place = [&](std::uint32_t v) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(mesh.vertices, v) - mesh.vertices.begin());
-  };
-  for (const Triangle& t : triangles) mesh.triangles.push_back({{place(t.v[0]), place(t.v[1]), place(t.v[2])}});
-  return mesh;
-}
-
-std::vector<Cluster> cut_into_clusters(const ClusterMesh& mesh, const ClusterDagConfig& config) {
+std::vector<Cluster> cut_into_clusters(const PartMesh& mesh, const ClusterDagConfig& config) {
   const std::vector<unsigned> indices = indices_of(mesh.triangles);
   const std::size_t most =
       meshopt_buildMeshletsBound(indices.size(), config.cluster_vertices, config.cluster_triangles);
@@ -56,7 +43,7 @@ std::vector<Cluster> cut_into_clusters(const ClusterMesh& mesh, const ClusterDag
 // This version of the library locks no vertices but those with several open edges. So each locked vertex gets two
 // triangles more, whose edges are open (docs/decisions/0007); their other corners lie in a row across the box of the
 // mesh, each in a place of its own, since the library takes vertices in one place for one.
-Simplified simplify_to_half(const ClusterMesh& mesh, std::span<const std::uint8_t> locked) {
+Simplified simplify_to_half(const PartMesh& mesh, std::span<const std::uint8_t> locked) {
   std::vector<unsigned> indices = indices_of(mesh.triangles);
   const auto first_marker = static_cast<unsigned>(mesh.positions.size());
   unsigned markers = 0;
