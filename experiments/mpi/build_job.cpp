@@ -54,8 +54,6 @@ DistributedConfig config_of(const JobOptions& options) {
 }
 
 std::unique_ptr<MeshStream> open_input(const JobOptions& options) {
-  if (options.input.empty() == options.generator.empty())
-    throw UsageError("one mesh is built: give either a file or --generate");
   if (!options.generator.empty()) return generated_stream(parse_generator(options.generator));
   ReadConfig reading = read_config(options.reading, {options.input});
   reading.attributes = !options.no_attributes;
@@ -210,13 +208,20 @@ void add_build_job(CommandTable& commands, MpiTransport& transport) {
   };
   const auto both = std::make_shared<Both>();
   const auto run = [both, &transport] {
+    if (both->own.input.empty() == both->own.generator.empty())
+      throw UsageError("one mesh is built: give either a file or --generate");
     transport.set_timeout(both->own.timeout);
-    run_rank(transport, [&] {
-      const JobReport report = run_job(both->own, both->common, transport);
-      if (transport.rank() != 0) return;
-      write_result(both->common, to_json(report, both->own));
-      if (both->common.prints()) print(report, both->own);
-    });
+    try {
+      run_rank(transport, [&] {
+        const JobReport report = run_job(both->own, both->common, transport);
+        if (transport.rank() != 0) return;
+        write_result(both->common, to_json(report, both->own));
+        if (both->common.prints()) print(report, both->own);
+      });
+    } catch (...) {
+      set_interrupt_line("");  // the launcher ends those that are not through yet: the error has been told
+      throw;
+    }
   };
   CommandInfo info{"build", "Build the hierarchical level of detail of a mesh by all processes of an MPI job",
                    "  mpirun -n 4 lodestone-mpi build statue.ply -o statue.lode --threads 2 --json build.json\n"

@@ -11,6 +11,7 @@ int run_commands(int argc, char** argv) {
   CommandTable commands;
   add_build_job(commands, transport);
   install_signal_handlers();
+  set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
   return run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
 }
 
