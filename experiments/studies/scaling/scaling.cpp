@@ -13,6 +13,7 @@
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/result_hash.h"
 #include "experiments/subjects/row.h"
+#include "parallel/scheduler/processors.h"
 #include "parallel/scheduler/trace.h"
 
 namespace lodestone {
@@ -32,13 +33,23 @@ std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   std::vector<ColumnInfo> list{
       {"workers", "", "that did it", count},
-      {"processors", "", "that the workers were bound to, on different cores first", count},
+      {"processors", "", "that the workers were bound to", count},
+      {"cores", "", "that these belong to: fewer than workers where hardware threads share one", count},
+      {"nodes", "", "memories (NUMA) that these are next to", count},
       {"work", "", "triangles of the input, or pixels", count},
       {"speedup", "", "work per second over that of one worker", cost},
       {"efficiency", "%", "speed-up over workers", cost},
       {"karp_flatt",
        "",
        "serial share that would explain the speed-up; of strong scaling",
+       cost,
+       {ColumnNeed{{{"mode", "strong"}}}, ColumnNeed{{{"threads", 1, false}}}}},
+      {"speedup_low", "", "least of what 95 % of rounds drawn anew give (bootstrap)", cost},
+      {"speedup_high", "", "most of it", cost},
+      {"karp_flatt_low", "", "likewise", cost, {ColumnNeed{{{"mode", "strong"}}}, ColumnNeed{{{"threads", 1, false}}}}},
+      {"karp_flatt_high",
+       "",
+       "likewise",
        cost,
        {ColumnNeed{{{"mode", "strong"}}}, ColumnNeed{{{"threads", 1, false}}}}},
       {"busy", "%", "of the workers' time, inside tasks", cost},
@@ -79,8 +90,14 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     Row row;
     add_times(row, c.times());
     row["workers"] = c.workers, row["processors"] = c.bound, row["work"] = c.job->work();
+    row["cores"] = count_cores(c.processors), row["nodes"] = count_nodes(c.processors);
     row["speedup"] = results[i].speedup, row["efficiency"] = 100 * results[i].efficiency;
-    row["karp_flatt"] = strong && c.workers > 1 ? Row(results[i].karp_flatt) : Row();
+    const ScalingIntervals intervals = scaling_intervals(contenders.front().times().wall, c.times().wall, c.workers,
+                                                         c.job->work() / contenders.front().job->work());
+    row["speedup_low"] = intervals.speedup.low, row["speedup_high"] = intervals.speedup.high;
+    const auto share = [&](double value) { return strong && c.workers > 1 ? Row(value) : Row(); };
+    row["karp_flatt"] = share(results[i].karp_flatt);
+    row["karp_flatt_low"] = share(intervals.karp_flatt.low), row["karp_flatt_high"] = share(intervals.karp_flatt.high);
     add_use(row, c);
     row["hash"] = to_hex(c.hashes.front());
     row["same"] = std::ranges::all_of(c.hashes, [&](std::uint64_t hash) { return hash == expected; });
@@ -102,7 +119,9 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   verdict.present("hash");
   verdict.is_true("same");
   verdict.at_most("busy", 100.001);
-  verdict.in_order("processors", "workers");
+  if (parameters.text("affinity") != "free") verdict.in_order("processors", "workers");
+  verdict.in_order("cores", "processors");
+  verdict.in_order("speedup_low", "speedup_high");
   for (const Row& row : rows) {
     const double workers = number_in(row, "workers").value_or(0), speedup = number_in(row, "speedup").value_or(0);
     verdict.require(workers >= 1, "a row has no workers");

@@ -10,10 +10,10 @@
 
 namespace lodestone {
 
-Contender::Contender(int n, const std::vector<int>& all, const IndexedMesh& mesh, const Parameters& parameters,
+Contender::Contender(int n, const std::vector<int>& to_use, const IndexedMesh& mesh, const Parameters& parameters,
                      const RunContext& context, int times)
     : workers(n),
-      processors(all.begin(), all.begin() + std::min<std::ptrdiff_t>(n, std::ssize(all))),
+      processors(to_use),
       trace(std::make_shared<Trace>(n)),
       scheduler(make_tracing_scheduler(make_tbb_scheduler(n), trace)),
       job(make_scaling_job(mesh, parameters, context, times, *scheduler)) {}
@@ -46,6 +46,14 @@ std::vector<ParameterInfo> race_parameters() {
   std::vector<ParameterInfo> list{
       rounds_parameter(5),
       as_condition({"task", "build", "", "what the workers do", 0, 0, scaling_tasks()}),
+      as_condition(
+          {"affinity",
+           "cores",
+           "",
+           "cores: workers on different cores as long as there are some; threads: core by core; free: anywhere",
+           0,
+           0,
+           {"cores", "threads", "free"}}),
       as_condition({"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}}),
       as_condition({"frames", 8, "", "of raster, once around the model", 2, 10000, {}}),
   };
@@ -64,6 +72,15 @@ void check_race(SettingVerdict& verdict, const Parameters& parameters) {
   if (builds) check_build(verdict, parameters);
 }
 
+std::vector<int> processors_of(const Parameters& parameters, int workers) {
+  const std::string affinity = parameters.text("affinity");
+  std::vector<int> all = allowed_processors();
+  if (affinity == "free") return all;
+  all = affinity == "cores" ? one_per_core_first(all) : core_by_core(all);
+  all.resize(std::min(all.size(), static_cast<std::size_t>(workers)));
+  return all;
+}
+
 std::vector<int> worker_counts(int most) {
   std::vector<int> counts;
   for (int n = 1; n < most; n *= 2) counts.push_back(n);
@@ -73,10 +90,9 @@ std::vector<int> worker_counts(int most) {
 
 std::vector<Contender> race(const IndexedMesh& mesh, int most_workers, bool weak, const Parameters& parameters,
                             const RunContext& context) {
-  const std::vector<int> processors = one_per_core_first(allowed_processors());
   std::vector<Contender> contenders;
   for (const int n : worker_counts(most_workers))
-    contenders.emplace_back(n, processors, mesh, parameters, context, weak ? n : 1);
+    contenders.emplace_back(n, processors_of(parameters, n), mesh, parameters, context, weak ? n : 1);
   for (Contender& contender : contenders) contender.warm_up();
   const int rounds = parameters.integer("rounds");
   for (int round = 0; round < rounds; ++round) {

@@ -13,11 +13,11 @@
 
 namespace lodestone {
 
-// The job of one number of workers, bound to as many processors as there are of them, on different cores as long as
-// there are some: else one would wander over all, and two share a core or not.
+// The job of one number of workers, bound to as many processors as there are of them, unless `affinity` leaves them to
+// the system: one would wander over all, and two share a core or not.
 class Contender {
  public:
-  // `processors` of the machine, in the order in which to use them; `times`: how much work.
+  // `processors` to be bound to, see processors_of(); `times`: how much work.
   Contender(int workers, const std::vector<int>& processors, const IndexedMesh& mesh, const Parameters& parameters,
             const RunContext& context, int times);
 
@@ -43,6 +43,10 @@ class Contender {
 // The parameters of a race but `threads`; check_race() refuses what no race can run.
 [[nodiscard]] std::vector<ParameterInfo> race_parameters();
 void check_race(SettingVerdict& verdict, const Parameters& parameters);
+
+// The processors for so many workers, as `affinity` says: on different cores as long as there are some, core by core,
+// or all that there are.
+[[nodiscard]] std::vector<int> processors_of(const Parameters& parameters, int workers);
 
 // 1, 2, 4, ... and the most.
 [[nodiscard]] std::vector<int> worker_counts(int most);

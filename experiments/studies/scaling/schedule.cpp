@@ -45,6 +45,8 @@ std::vector<ColumnInfo> columns() {
       {"work", "s", "of one worker, recorded", cost},
       {"span", "s", "longest chain of tasks", cost},
       {"parallelism", "", "work over span: no number of workers is faster by more", cost},
+      {"workers_at_80", "", "most virtual workers with an efficiency of 80 %", count},
+      {"triangles", "", "of the input", count},
       {"tasks", "", "recorded", count},
       {"critical", "", "what the span consists of, % of it", label},
       {"limit", "", "what the program does while workers are idle, % of their time", label},
@@ -148,6 +150,14 @@ Row row_of(int workers, const Evidence& evidence) {
   return row;
 }
 
+// The most workers, up to `most`, with this efficiency or more, by halving: it falls with the workers, nearly.
+int workers_at(double efficiency, const Evidence& evidence, int most) {
+  const auto has = [&](int workers) { return number_in(row_of(workers, evidence), "efficiency") >= 100 * efficiency; };
+  int low = 1, high = most + 1;
+  while (high - low > 1) (has((low + high) / 2) ? low : high) = (low + high) / 2;
+  return low;
+}
+
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const std::unique_ptr<Scheduler> all = study_scheduler(parameters);
   const StudyMesh input = read_study_mesh(context, *all);
@@ -162,9 +172,13 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     const double measured = median_of(c.times().wall), predicted = rows.back()["predicted"].get<double>();
     rows.back()["measured"] = measured, rows.back()["error"] = 100 * std::abs(predicted / measured - 1);
   }
-  for (int n = 1; n <= parameters.integer("virtual_workers"); n *= 2)
+  for (int n = 1; n <= parameters.integer("virtual_workers"); n *= 4)
     if (n > all->workers()) rows.push_back(row_of(n, evidence));
-  for (Row& row : rows) row["hash"] = to_hex(contenders.front().hashes.front());
+  const int at_80 = workers_at(0.8, evidence, parameters.integer("virtual_workers"));
+  for (Row& row : rows) {
+    row["hash"] = to_hex(contenders.front().hashes.front());
+    row["workers_at_80"] = at_80, row["triangles"] = input.mesh.triangles.size();
+  }
   return rows;
 }
 
