@@ -91,7 +91,8 @@ DistributedResult build_distributed(const MeshStream& stream, const DistributedC
   Stages stages(config, ranks, scheduler);
   DistributedResult result;
   Hierarchy& head = result.tables;
-  CleanSlices clean = stages.run("reading", [&] { return distributed_clean(stream, config.lattice, ranks); });
+  CleanSlices clean =
+      stages.run("reading", [&] { return distributed_clean(stream, config.lattice, ranks, scheduler); });
   head.transform = clean.transform;
   head.provenance.repairs = clean.repairs;
   head.provenance.input_vertices = clean.vertices_left.total();

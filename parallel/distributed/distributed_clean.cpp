@@ -4,39 +4,37 @@
 #include "parallel/distributed/distributed_clean.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <tuple>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/clean_kernels.h"
+#include "parallel/clean/find_repeats.h"
 
 namespace lodestone {
 namespace {
 
-// A vertex that is used: the bits of its position, and its number.
+// A vertex that is used, and its number.
 struct WeldItem {
-  std::uint32_t x, y, z, number;
-  friend auto operator<=>(const WeldItem&, const WeldItem&) = default;
-  [[nodiscard]] bool meets(const WeldItem& o) const { return x == o.x && y == o.y && z == o.z; }
-};
-
-struct Repeat {
-  std::uint32_t repeat, first;
+  Vec3f key;
+  std::uint32_t number;
 };
 
 // A triangle by its vertices in cyclic order from the smallest on, and its number.
 struct TriangleItem {
-  std::array<std::uint32_t, 3> v;
+  Triangle key;
   std::uint32_t number;
-  friend auto operator<=>(const TriangleItem&, const TriangleItem&) = default;
+};
+
+// An item, and the one with the smallest number that equals it.
+struct Repeat {
+  std::uint32_t repeat, first;
 };
 
 class DistributedCleaning {
  public:
-  DistributedCleaning(const MeshStream& stream, Ranks& ranks) : stream_(stream), ranks_(ranks) {
+  DistributedCleaning(const MeshStream& stream, Ranks& ranks, Scheduler& scheduler)
+      : stream_(stream), ranks_(ranks), scheduler_(scheduler) {
     out_.vertices = Slices(stream.vertex_count(), ranks.count());
     out_.triangles = Slices(stream.triangle_count(), ranks.count());
     first_vertex_ = out_.vertices.begin(ranks.rank());
@@ -103,19 +101,11 @@ class DistributedCleaning {
         ranks_, own_vertices_,
         [&](std::uint64_t i, const auto& emit) {
           if (states_[i] != VertexState::used) return;
-          const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(out_.positions[i]);
           emit(rank_of_hash(hash_of(out_.positions[i])),
-               {bits[0], bits[1], bits[2], static_cast<std::uint32_t>(first_vertex_ + i)});
+               {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
         },
         [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
-    std::ranges::sort(items);
-    std::vector<Repeat> repeats;
-    for (std::size_t i = 1, first = 0; i < items.size(); ++i)
-      if (items[i].meets(items[first])) {
-        repeats.push_back({items[i].number, items[first].number});
-      } else {
-        first = i;
-      }
+    const std::vector<Repeat> repeats = repeats_among(items);
     std::vector<WeldItem>().swap(items);
     out_.repairs.welded_vertices = ranks_.sum(repeats.size());
     if (out_.repairs.welded_vertices == 0) return;
@@ -165,17 +155,15 @@ class DistributedCleaning {
           for (std::size_t t = 0; t < count; ++t) {
             if (out_.dropped[at + t]) continue;
             const auto& c = corners.of(t).v;
-            const auto v = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}}).v;
-            const std::uint32_t picked = v[(v[0] ^ v[1] ^ v[2]) % 3];
+            const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
+            const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
             out[static_cast<std::size_t>(out_.vertices.owner(picked))].push_back(
-                {{v[0], v[1], v[2]}, static_cast<std::uint32_t>(first_triangle_ + at + t)});
+                {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
           }
           for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
         });
-    std::ranges::sort(items);
     std::vector<std::uint32_t> repeats;
-    for (std::size_t i = 1; i < items.size(); ++i)
-      if (items[i].v == items[i - 1].v) repeats.push_back(items[i].number);
+    for (const Repeat& r : repeats_among(items)) repeats.push_back(r.repeat);
     std::vector<TriangleItem>().swap(items);
     out_.repairs.duplicate_triangles = ranks_.sum(repeats.size());
     exchange_in_pieces<std::uint32_t>(
@@ -229,6 +217,28 @@ class DistributedCleaning {
     return static_cast<int>((hash >> 32) * static_cast<std::uint64_t>(ranks_.count()) >> 32);
   }
 
+  // Items come in any order of their numbers.
+  template <class Item>
+  [[nodiscard]] std::vector<Repeat> repeats_among(std::vector<Item>& items) {
+    constexpr std::uint32_t none = 0xffff'ffffu;
+    std::vector<std::uint32_t> first_of(items.size(), none);  // by item that equals another one: that
+    find_repeats(
+        items.size(), all_in_memory,
+        [&](ChunkRange range, const auto& take) {
+          for (std::size_t i = range.begin; i < range.end; ++i) take(i, hash_of(items[i].key));
+        },
+        [&](std::uint32_t a, std::uint32_t b) { return items[a].key == items[b].key; },
+        [&](std::uint32_t repeat, std::uint32_t first) {  // all that are equal: on one thread
+          if (items[repeat].number < items[first].number) std::swap(items[repeat].number, items[first].number);
+          first_of[repeat] = first;
+        },
+        scheduler_);
+    std::vector<Repeat> repeats;
+    for (std::size_t i = 0; i < items.size(); ++i)
+      if (first_of[i] != none) repeats.push_back({items[i].number, items[first_of[i]].number});
+    return repeats;
+  }
+
   // Calls visit(at, positions) for the vertices of the slice, from `at` on.
   template <class Visit>
   void visit_vertices(const Visit& visit) {
@@ -276,6 +286,7 @@ class DistributedCleaning {
 
   const MeshStream& stream_;
   Ranks& ranks_;
+  Scheduler& scheduler_;
   CleanSlices out_;  // numbers: first what each vertex has become by welding; empty if none has
   std::uint64_t first_vertex_ = 0, first_triangle_ = 0, own_vertices_ = 0, own_triangles_ = 0;
   std::vector<VertexState> states_;  // by vertex of the slice
@@ -288,8 +299,8 @@ PieceCorners::PieceCorners(std::span<const Triangle> triangles) : local_(triangl
   if (!triangles.empty()) numbers_.number({triangles.data()->v.data(), 3 * triangles.size()}, local_.data()->v.data());
 }
 
-CleanSlices distributed_clean(const MeshStream& stream, Lattice lattice, Ranks& ranks) {
-  DistributedCleaning cleaning(stream, ranks);
+CleanSlices distributed_clean(const MeshStream& stream, Lattice lattice, Ranks& ranks, Scheduler& scheduler) {
+  DistributedCleaning cleaning(stream, ranks, scheduler);
   cleaning.drop_non_finite_triangles();
   cleaning.normalise(lattice);
   cleaning.weld_vertices();
