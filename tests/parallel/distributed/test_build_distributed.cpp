@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <random>
 
+#include "core/hierarchy/construct/cell_table.h"
 #include "core/mesh/generate.h"
+#include "parallel/distributed/cell_owners.h"
 #include "parallel/distributed/generated_stream.h"
 #include "parallel/mesh/generate.h"
 #include "tests/expect_error.h"
 #include "tests/parallel/distributed/distributed.h"
-#include "tests/test_data.h"
 
 namespace lodestone {
 namespace {
@@ -96,6 +97,30 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
           std::string(3 * 15 + 13, '\3'));
   expect_error_of<UnsupportedError>([&] { (void)build(*open_mesh_stream(coloured), 2, 0); },
                                     {"c.ply", "attributes", "--no-attributes"});
+}
+
+// Cells of 8 x 8 x 4 on level 3, all of them.
+TEST(CellOwners, KeepBlocksTogetherAndShareThemOut) {
+  std::vector<CellCode> cells;
+  for (std::uint16_t x = 0; x < 8; ++x)
+    for (std::uint16_t y = 0; y < 8; ++y)
+      for (std::uint16_t z = 0; z < 4; ++z) cells.push_back(CellCode::from({x, y, z}));
+  const CellOwners owners(3, cells, 4);
+  std::map<std::uint64_t, int> of_block;
+  std::vector<int> shares(4);
+  for (const CellCode cell : cells) {
+    const int owner = owners.owner(cell, 3);
+    ++shares.at(static_cast<std::size_t>(owner));
+    const std::uint64_t block = CellCode::from(block_of_parent(cell.parent().coord())).morton;
+    EXPECT_EQ(of_block.try_emplace(block, owner).first->second, owner);
+  }
+  EXPECT_LT(std::ranges::max(shares), 2 * 64);
+  EXPECT_GT(std::ranges::min(shares), 0);
+  for (const CellCode cell : cells) {  // the cells of level 1 have one block, as the root has
+    EXPECT_EQ(owners.owner(cell.parent().parent(), 1), owners.owner(CellCode{0}, 1));
+    EXPECT_EQ(owners.owner(CellCode{0}, 0), owners.owner(CellCode{0}, 1));
+  }
+  EXPECT_EQ(CellOwners(0, {}, 3).owner(CellCode{0}, 0), 2);  // no sample
 }
 
 TEST(ParseGenerator, ReadsShapeCountAndSeed) {
