@@ -59,6 +59,11 @@ AtomicFile::AtomicFile(fs::path target)
   if (descriptor_ < 0) fail("cannot create");
 }
 
+AtomicFile::AtomicFile(fs::path target, const fs::path& written)
+    : target_(std::move(target)), final_(written), descriptor_(open(written.c_str(), O_WRONLY | O_CLOEXEC)) {
+  if (descriptor_ < 0) fail("cannot open the file that another process is writing as " + written.string());
+}
+
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }

@@ -22,9 +22,17 @@ namespace lodestone {
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);
+  // A file that another process is writing under `written`, its written_path(): for write_at(), and for commit(), which
+  // leaves it to that process to make it appear.
+  AtomicFile(std::filesystem::path target, const std::filesystem::path& written);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
+
+  // Name under which the bytes are written.
+  [[nodiscard]] const std::filesystem::path& written_path() const {
+    return temporary_.path().empty() ? final_ : temporary_.path();
+  }
 
   // Reserves space for bytes that write_at() will write: a full disk is reported before any work, and several threads
   // write without waiting for the file to grow. Does nothing on file systems that cannot reserve. All of the bytes must

@@ -81,10 +81,11 @@ void add_commands(CLI::App& app, const CommandTable& commands) {
 }
 
 // Names of files and messages of libraries may hold line ends; an error has one line.
-void print_error(std::string message) {
+void print_error(const ProgramVoice& voice, std::string message) {
+  if (voice.silent) return;
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
-  fmt::print(stderr, "lodestone: {}\n", message);
+  fmt::print(stderr, "{}: {}\n", voice.name, message);
 }
 
 // Allocates nothing.
@@ -129,7 +130,7 @@ std::vector<std::string> names_in(const CLI::App& app, bool options) {
 // An unknown word is reported before a missing one: `lodestone biuld` is not a call without a subcommand.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
-  const std::string command = given.empty() ? "lodestone" : "lodestone " + given.front()->get_name();
+  const std::string command = given.empty() ? app.get_name() : app.get_name() + " " + given.front()->get_name();
   const std::vector<std::string> unknown = app.remaining(true);
   std::string what = error.what(), meant;
   if (!unknown.empty()) {
@@ -144,8 +145,8 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 }  // namespace
 
-int run_command_line(const CommandTable& commands, int argc, char** argv) {
-  CLI::App app{program_description(), "lodestone"};
+int run_command_line(const CommandTable& commands, int argc, char** argv, const ProgramVoice& voice) {
+  CLI::App app{program_description(), voice.name};
   app.set_version_flag("--version", std::string(program_version()));
   app.require_subcommand(1);
   app.footer(exit_status_help());
@@ -156,9 +157,9 @@ int run_command_line(const CommandTable& commands, int argc, char** argv) {
     if (std::fflush(stdout) != 0) throw FileError(std::string("cannot write to standard output: ") + strerror(errno));
     return 0;
   } catch (const CLI::Success& e) {  // --help, --version
-    return app.exit(e);
+    return voice.silent ? 0 : app.exit(e);
   } catch (const CLI::ParseError& e) {
-    print_error(usage_error(app, e));
+    print_error(voice, usage_error(app, e));
     return static_cast<int>(ExitStatus::usage);
   } catch (const Cancelled&) {
     fmt::print(stderr, "{}", interrupt_line());
@@ -166,7 +167,7 @@ int run_command_line(const CommandTable& commands, int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
-    print_error(e.what());
+    print_error(voice, e.what());
     return static_cast<int>(exit_status(e));
   }
 }

@@ -141,18 +141,14 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   Hierarchy out;
   out.transform = mesh.transform;
   build->lattice = mesh.transform.lattice;
-  out.sigma0 = config.sigma0;
-  out.provenance.simplifier = config.simplifier;
+  describe_config(config, out);
   out.attributes = build->attributes = attributes_of(mesh);
   out.materials = std::move(mesh.wedges.materials);
   out.textures = std::move(mesh.wedges.textures);
-  out.provenance.placement = static_cast<std::uint32_t>(placement_of(config));
 
   scheduler.name_work("partition");
   const CpuClock refine_clock;
-  const bool choose = config.finest_level < 0;
   const int finest = finest_level_of(mesh, config);
-  out.provenance.cell_triangles = choose ? config.cell_triangles : 0;
   RefineReport refinement;
   if (config.refine) {
     refinement = refine_mesh(mesh, double{config.sigma0} * cell_size(finest), scheduler);

@@ -152,6 +152,13 @@ Placement placement_of(const BuildConfig& config) {
   return config.placement ? *config.placement : placements_of(config.simplifier).front();
 }
 
+void describe_config(const BuildConfig& config, Hierarchy& out) {
+  out.sigma0 = config.sigma0;
+  out.provenance.simplifier = config.simplifier;
+  out.provenance.placement = static_cast<std::uint32_t>(placement_of(config));
+  out.provenance.cell_triangles = config.finest_level < 0 ? config.cell_triangles : 0;
+}
+
 void build_blocks(const BlockWork& work, const BuildConfig& config, Scheduler& scheduler) {
   BlockBuilder(work, config).run(scheduler);
 }

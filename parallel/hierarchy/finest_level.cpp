@@ -4,11 +4,10 @@
 
 #include <utility>
 
-#include "parallel/hierarchy/shared_vertices.h"
-
 namespace lodestone {
 
-std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sigma0, Scheduler& scheduler) {
+std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sigma0, Scheduler& scheduler,
+                                         const JoinShared& join) {
   constexpr std::size_t cell_grain = 16;
   Partition partition = std::move(given);
   SharedVertices shared(partition.vertices);
@@ -20,6 +19,7 @@ std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sig
                  make_finest_cell(partition.vertices, partition.codes[c], level, sigma0, partition.cells[c], s));
   });
   std::vector<Vec3f>().swap(partition.vertices.positions);
+  if (join) join(partition.vertices, shared);
   shared.finish(scheduler);
   scheduler.for_chunks(partition.cells.size(), cell_grain, [&](ChunkRange range) {
     for (std::size_t c = range.begin; c < range.end; ++c) {

@@ -17,6 +17,8 @@ class NormalSums {
       std::atomic_ref(sums_[i][static_cast<std::size_t>(k)])
           .fetch_add(static_cast<std::int64_t>(n[k] * scale_), std::memory_order_relaxed);
   }
+  [[nodiscard]] const std::array<std::int64_t, 3>& exact(std::size_t i) const { return sums_[i]; }
+  void set(std::size_t i, const std::array<std::int64_t, 3>& sum) { sums_[i] = sum; }
   [[nodiscard]] Vec3f sum(std::size_t i) const {
     const auto v = [&](std::size_t k) { return static_cast<float>(static_cast<double>(sums_[i][k])); };
     return {v(0), v(1), v(2)};  // the scale does not matter for a direction
@@ -74,6 +76,16 @@ void SharedVertices::add(const CellBuild& cell, CellCode code, std::span<const F
     sums_->boxes.extend(index(cell, k), code.coord());
     sums_->normals.add(index(cell, k), normals[k]);
   }
+}
+
+SharedSum SharedVertices::sum(std::size_t number) const {
+  return {sums_->boxes.box(number), sums_->normals.exact(number)};
+}
+
+void SharedVertices::set_sum(std::size_t number, const SharedSum& sum) {
+  sums_->boxes.extend(number, sum.usage.lo);
+  sums_->boxes.extend(number, sum.usage.hi);
+  sums_->normals.set(number, sum.normal);
 }
 
 void SharedVertices::finish(Scheduler& scheduler) {

@@ -2,6 +2,7 @@
 // several workers at once with operations that commute exactly, so that the result does not depend on the order.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,6 +16,17 @@
 
 namespace lodestone {
 
+// Contributions of some cells to a vertex that they share. Sums do not depend on the order.
+struct SharedSum {
+  UsageBox usage;
+  std::array<std::int64_t, 3> normal{};  // in fixed point
+
+  void add(const SharedSum& more) {
+    usage.extend(more.usage);
+    for (std::size_t k = 0; k < 3; ++k) normal[k] += more.normal[k];
+  }
+};
+
 // Memory: 52 bytes per shared vertex at the peak, 16 after finish().
 class SharedVertices {
  public:
@@ -26,6 +38,9 @@ class SharedVertices {
 
   // Adds a cell, packed by make_finest_cell, and what that returned. From any thread.
   void add(const CellBuild& cell, CellCode code, std::span<const Float4> normals);
+  // The contributions of the cells added so far to a shared vertex, by its number; those of others may be added.
+  [[nodiscard]] SharedSum sum(std::size_t number) const;
+  void set_sum(std::size_t number, const SharedSum& sum);
   // After all cells were added.
   void finish(Scheduler& scheduler);
   // Gives the cell usage and normals of its shared vertices.

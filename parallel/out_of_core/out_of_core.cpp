@@ -252,16 +252,12 @@ class OutOfCoreBuild {
  private:
   void fill_tables() {
     Hierarchy& out = stored_.tables;
-    const BuildConfig& build = config_.build;
+    describe_config(config_.build, out);
     out.transform = mesh_.transform;
-    out.sigma0 = build.sigma0;
     out.provenance.input_vertices = vertices_;
     out.provenance.input_triangles = mesh_.triangles;
     out.provenance.repairs = mesh_.repairs;
     out.provenance.fingerprint = mesh_.cells.fingerprint;
-    out.provenance.simplifier = build.simplifier;
-    out.provenance.placement = static_cast<std::uint32_t>(placement_of(build));
-    out.provenance.cell_triangles = build.finest_level < 0 ? build.cell_triangles : 0;
     for (std::size_t l = 0; l < plan_.levels.size(); ++l)
       append_level(
           plan_, l,

@@ -36,6 +36,7 @@ class Confined:
 
 CONFINED = [
     Confined("oneTBB", r"#\s*include\s*<(oneapi/)?tbb/|\btbb::", r"parallel/(\w+/)*\w+\.cpp$"),
+    Confined("MPI", r"#\s*include\s*<mpi\.h>|\bMPI_[A-Z]\w*", r"parallel/distributed/mpi_transport\.cpp$"),
     Confined("threads of the standard library",
              r"#\s*include\s*<(thread|future|execution|omp\.h|pthread\.h)>", r"(parallel|tests|bench)/"),
     Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",
@@ -55,6 +56,7 @@ CONFINED = [
 # The same for link lines: a library that CMake links where no source may include it.
 CONFINED_LINKS = [
     Confined("oneTBB", r"\bTBB::", r"(parallel/|cmake/)"),
+    Confined("MPI", r"\bMPI::", r"(parallel/distributed/|cmake/)"),
     Confined("OpenGL or GLFW", r"\b(OpenGL::|glfw\b|PkgConfig::(EPOXY|epoxy))", r"(tests/)?(render/|cmake/)"),
     Confined("OpenMesh", r"\bOpenMesh(Core|Tools)", r"(core/|tests/|bench/|cmake/)"),
 ]

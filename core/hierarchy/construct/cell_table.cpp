@@ -22,12 +22,6 @@ LevelCells coarsen(LevelCells& fine) {
   return coarse;
 }
 
-// Block coordinate of a cell of level l - 1, whose children are cells of level l: floor((2p + 2) / 4).
-CellCoord block_of_parent(CellCoord p) {
-  const auto k = [](std::uint16_t v) { return static_cast<std::uint16_t>((v + 1) / 2); };
-  return {k(p.x), k(p.y), k(p.z)};
-}
-
 UsageBox block_range(CellCoord k) {
   const auto lo = [](std::uint16_t v) { return static_cast<std::uint16_t>(v == 0 ? 0 : 4 * v - 2); };
   const auto hi = [](std::uint16_t v) { return static_cast<std::uint16_t>(4 * v + 1); };

@@ -34,6 +34,12 @@ struct BlockPlan {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> dependencies;  // (maker, consumer), each once
 };
 
+// Coordinates k of the block that makes a cell: floor((2p + 2) / 4) on each axis.
+[[nodiscard]] constexpr CellCoord block_of_parent(CellCoord p) {
+  const auto k = [](std::uint16_t v) { return static_cast<std::uint16_t>((v + 1) / 2); };
+  return {k(p.x), k(p.y), k(p.z)};
+}
+
 // `finest_codes`: the occupied cells of level `finest`, ascending, each once, not empty.
 [[nodiscard]] BlockPlan plan_blocks(std::span<const CellCode> finest_codes, int finest);
 

@@ -76,6 +76,24 @@ TEST_F(AtomicFileTest, ThreadsWriteDisjointRanges) {
   EXPECT_EQ(content(folder_ / "a"), "head00112233");
 }
 
+TEST_F(AtomicFileTest, SeveralProcessesWriteIt) {
+  const fs::path target = folder_ / "a";
+  AtomicFile file(target);
+  file.reserve(6);
+  {
+    AtomicFile part(target, file.written_path());
+    part.write_at(3, bytes("def"));
+    part.commit();
+  }
+  { const AtomicFile abandoned(target, file.written_path()); }
+  EXPECT_FALSE(fs::exists(target));
+  file.write_at(0, bytes("abc"));
+  file.commit();
+  EXPECT_EQ(content(target), "abcdef");
+  EXPECT_EQ(files(), 1u);
+  expect_error_of<FileError>([&] { AtomicFile(target, folder_ / "gone"); }, {"a: cannot open", "gone"});
+}
+
 TEST_F(AtomicFileTest, FollowsSymbolicLinks) {
   fs::create_directory(folder_ / "real");
   std::ofstream(folder_ / "real" / "a") << "old";

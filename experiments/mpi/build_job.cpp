@@ -1,0 +1,233 @@
+#include "experiments/mpi/build_job.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
+#include "experiments/command_line/progress.h"
+#include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/subjects/build.h"
+#include "parallel/distributed/build_distributed.h"
+#include "parallel/distributed/generated_stream.h"
+
+namespace lodestone {
+namespace {
+
+struct JobOptions {
+  std::string input, generator, output;
+  InputOptions reading;
+  float sigma0 = BuildConfig{}.sigma0;
+  std::uint32_t cell_triangles = BuildConfig{}.cell_triangles;
+  std::optional<int> levels, lattice_bits;
+  std::string simplifier = BuildConfig{}.simplifier;
+  std::optional<std::string> placement;
+  bool no_attributes = false;
+  double timeout = 600;
+};
+
+// The processes of the job, as rank 0 reports them.
+struct JobReport {
+  DistributedResult result;
+  std::vector<std::uint64_t> peak_bytes;  // by rank
+  std::vector<std::string> hosts;
+  std::vector<std::string> warnings;
+  StageTime time;  // of rank 0: all wait for each other
+  int threads = 0;
+};
+
+DistributedConfig config_of(const JobOptions& options) {
+  DistributedConfig config;
+  config.build.sigma0 = options.sigma0;
+  config.build.cell_triangles = options.cell_triangles;
+  config.build.finest_level = options.levels.value_or(-1);
+  config.build.simplifier = options.simplifier;
+  if (options.placement) config.build.placement = placement_named(*options.placement);
+  config.output = options.output;
+  config.lattice = {options.lattice_bits.value_or(0)};
+  return config;
+}
+
+std::unique_ptr<MeshStream> open_input(const JobOptions& options) {
+  if (!options.generator.empty()) return generated_stream(parse_generator(options.generator));
+  ReadConfig reading = read_config(options.reading, {options.input});
+  reading.attributes = !options.no_attributes;
+  std::unique_ptr<MeshStream> stream = open_mesh_stream(options.input, reading);
+  if (!stream)
+    throw UnsupportedError(describe(options.input, "", "cannot be read by several processes side by side",
+                                    "give it as binary PLY of triangles without textures or as binary STL, or use "
+                                    "lodestone build"));
+  return stream;
+}
+
+JobReport run_job(const JobOptions& options, const CommonOptions& common, Transport& transport) {
+  if (transport.rank() == 0) {
+    std::vector<FileArgument> inputs;
+    if (!options.input.empty()) inputs.push_back({"IN", options.input});
+    check_files(common, inputs, {{"--output", options.output, ".lode"}});
+  }
+  Ranks ranks(transport);
+  const std::unique_ptr<MeshStream> stream = open_input(options);
+  const std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
+  DistributedConfig config = config_of(options);
+  Progress progress("reading", common.quiet || transport.rank() != 0);
+  config.on_stage = [&](const std::string& stage) { progress.phase(stage); };
+  JobReport report;
+  config.last_words = [&] {
+    report.peak_bytes = ranks.gather(peak_resident_bytes());
+    for (const std::vector<char>& host :
+         ranks.gather_lists(std::vector<char>(transport.host().begin(), transport.host().end())))
+      report.hosts.emplace_back(host.begin(), host.end());
+  };
+  const CpuClock clock;
+  report.result = build_distributed(*stream, config, ranks, *scheduler);
+  report.time = clock.elapsed();
+  report.peak_bytes[static_cast<std::size_t>(transport.rank())] = peak_resident_bytes();
+  report.warnings = stream->warnings();
+  report.threads = scheduler->workers();
+  return report;
+}
+
+// Maximum over mean.
+double imbalance(const std::vector<double>& values) {
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return sum > 0 ? std::ranges::max(values) * static_cast<double>(values.size()) / sum : 1;
+}
+template <class Of>
+double imbalance_of(const std::vector<RankReport>& ranks, const Of& of) {
+  std::vector<double> values;
+  for (const RankReport& rank : ranks) values.push_back(static_cast<double>(of(rank)));
+  return imbalance(values);
+}
+
+Json to_json(const RankStage& stage) {
+  Json json = to_json(stage.time);
+  json.update({{"bytes_sent", stage.traffic.bytes_sent},
+               {"bytes_received", stage.traffic.bytes_received},
+               {"rounds", stage.traffic.rounds}});
+  return json;
+}
+
+Json rank_json(const JobReport& report, std::size_t rank) {
+  const RankReport& of = report.result.ranks[rank];
+  Json stages;
+  for (std::size_t s = 0; s < of.stages.size(); ++s) stages[distributed_stages[s]] = to_json(of.stages[s]);
+  Json json = to_json(of.total());
+  json.update({{"rank", rank},
+               {"host", report.hosts[rank]},
+               {"triangles", of.triangles},
+               {"cells", of.cells},
+               {"peak_bytes", report.peak_bytes[rank]},
+               {"stages", stages}});
+  return json;
+}
+
+std::uint64_t bytes_sent(const JobReport& report) {
+  std::uint64_t sum = 0;
+  for (const RankReport& rank : report.result.ranks) sum += rank.total().traffic.bytes_sent;
+  return sum;
+}
+
+Json to_json(const JobReport& report, const JobOptions& options) {
+  const Hierarchy& hierarchy = report.result.tables;
+  const std::vector<RankReport>& ranks = report.result.ranks;
+  std::uint64_t stored = 0;
+  for (const Level& level : hierarchy.levels) stored += level.triangles;
+  Json per_rank = Json::array();
+  for (std::size_t r = 0; r < ranks.size(); ++r) per_rank.push_back(rank_json(report, r));
+  const std::vector<double> memory(report.peak_bytes.begin(), report.peak_bytes.end());
+  return {{"input", options.input.empty() ? options.generator : options.input},
+          {"output", options.output},
+          {"input_triangles", hierarchy.provenance.input_triangles},
+          {"input_vertices", hierarchy.provenance.input_vertices},
+          {"levels", hierarchy.levels.size()},
+          {"cells", hierarchy.cells.size()},
+          {"stored_triangles", stored},
+          {"file_bytes", report.result.file_bytes},
+          {"seconds", report.time.seconds},
+          {"threads", report.threads},
+          {"bytes_sent", bytes_sent(report)},
+          {"rounds", ranks.front().total().traffic.rounds},
+          {"imbalance",
+           {{"triangles", imbalance_of(ranks, [](const RankReport& r) { return r.triangles; })},
+            {"cpu_seconds", imbalance_of(ranks, [](const RankReport& r) { return r.total().time.cpu_seconds; })},
+            {"memory", imbalance(memory)}}},
+          {"ranks", per_rank},
+          {"level_table", level_table(hierarchy)},
+          {"warnings", report.warnings},
+          {"repairs", to_json(hierarchy.provenance.repairs)}};
+}
+
+void print(const JobReport& report, const JobOptions& options) {
+  const Hierarchy& hierarchy = report.result.tables;
+  fmt::print("{}: {} triangles -> {} levels, {} cells, by {} ranks of {} threads\n", options.output,
+             hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), report.hosts.size(),
+             report.threads);
+  const auto triangles = static_cast<double>(hierarchy.provenance.input_triangles);
+  fmt::print("{:.1f} MB, {:.2f} s, at most {:.0f} MB in a rank, {:.1f} bytes sent per triangle\n",
+             static_cast<double>(report.result.file_bytes) * 1e-6, report.time.seconds,
+             static_cast<double>(std::ranges::max(report.peak_bytes)) * 1e-6,
+             static_cast<double>(bytes_sent(report)) / triangles);
+  print_repairs(hierarchy.provenance.repairs);
+  print_warnings(report.warnings);
+}
+
+OptionTable declare(JobOptions& o) {
+  return {
+      OptionSpec{"IN", &o.input, "Mesh: binary .ply of triangles, or binary .stl"},
+      OptionSpec{"--generate", &o.generator, "A generated surface instead of a file, such as sphere:16e6:1"}.of_type(
+          "SHAPE:TRIANGLES[:SEED]"),
+      OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode), in a folder that all machines share"}.must(),
+      up_option(o.reading.up),
+      {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
+      {"--sigma0", &o.sigma0, "As for lodestone build, like the options below"},
+      OptionSpec{"--cell-triangles", &o.cell_triangles, "Mean triangles per occupied finest cell"}.between(1, 1e9),
+      OptionSpec{"--levels", &o.levels, "Finest level L instead (the root is level 0)"}.between(0, max_level),
+      OptionSpec{"--lattice", &o.lattice_bits, "Put the vertices on multiples of 2^-BITS of the longest extent"}
+          .between(1, Lattice::most_bits)
+          .of_type("BITS"),
+      {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
+      {"--placement", &o.placement, "optimal or endpoint"},
+      OptionSpec{"--timeout", &o.timeout,
+                 "Time that a process waits for a message of another one before it ends the job"}
+          .between(1, 1e6)
+          .of_type("SECONDS")};
+}
+
+}  // namespace
+
+void add_build_job(CommandTable& commands, MpiTransport& transport) {
+  struct Both {
+    JobOptions own;
+    CommonOptions common;
+  };
+  const auto both = std::make_shared<Both>();
+  const auto run = [both, &transport] {
+    if (both->own.input.empty() == both->own.generator.empty())
+      throw UsageError("one mesh is built: give either a file or --generate");
+    transport.set_timeout(both->own.timeout);
+    try {
+      run_rank(transport, [&] {
+        const JobReport report = run_job(both->own, both->common, transport);
+        if (transport.rank() != 0) return;
+        write_result(both->common, to_json(report, both->own));
+        if (both->common.prints()) print(report, both->own);
+      });
+    } catch (...) {
+      set_interrupt_line("");  // the launcher ends those that are not through yet: the error has been told
+      throw;
+    }
+  };
+  CommandInfo info{"build", "Build the hierarchical level of detail of a mesh by all processes of an MPI job",
+                   "  mpirun -n 4 lodestone-mpi build statue.ply -o statue.lode --threads 2 --json build.json\n"
+                   "  mpirun -n 8 lodestone-mpi build --generate sphere:64e6:1 -o sphere.lode --threads 1\n"};
+  info.threads_help = "Number of threads of each process; 0 takes all that it may run on";
+  add_command(commands, info, both->common, declare(both->own), run);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,21 @@
+// The `lodestone-mpi` command, as mpirun or srun starts it in each process of a job.
+#include "experiments/commands/command.h"
+#include "experiments/commands/parser.h"
+#include "experiments/mpi/build_job.h"
+
+namespace lodestone {
+namespace {
+
+int run_commands(int argc, char** argv) {
+  MpiTransport transport(&argc, &argv);
+  CommandTable commands;
+  add_build_job(commands, transport);
+  install_signal_handlers();
+  set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
+  return run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
+}
+
+}  // namespace
+}  // namespace lodestone
+
+int main(int argc, char** argv) { return lodestone::guard_memory(lodestone::run_commands, argc, argv); }

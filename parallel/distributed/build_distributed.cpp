@@ -1,0 +1,125 @@
+#include "parallel/distributed/build_distributed.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "parallel/distributed/distributed_clean.h"
+#include "parallel/distributed/rank_blocks.h"
+#include "parallel/distributed/rank_finest.h"
+#include "parallel/distributed/rank_save.h"
+#include "parallel/distributed/route_triangles.h"
+#include "parallel/hierarchy/build_blocks.h"
+
+namespace lodestone {
+namespace {
+
+void check(const MeshStream& stream, const DistributedConfig& config) {
+  check_config(config.build);
+  if (config.build.refine) throw UnsupportedError("splitting long edges needs the whole mesh on one machine");
+  if (config.build.order_cells) throw UnsupportedError("compressed files are not written by several ranks");
+  if (stream.has_attributes())
+    throw UnsupportedError(describe(stream.name(), "",
+                                    "has attributes of vertices, which several ranks do not build: wedges of a vertex "
+                                    "would have to be welded across them",
+                                    "leave them out (--no-attributes), or use lodestone build"));
+  if (stream.vertex_count() >= FinestVertices::shared_flag)
+    throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
+  if (stream.triangle_count() >= 0xffff'ffffu)
+    throw ResourceError(describe(stream.name(), "", "more triangles than 32-bit numbers reach", "split the model"));
+}
+
+// Measures the stages of a rank.
+class Stages {
+ public:
+  Stages(const DistributedConfig& config, Ranks& ranks, Scheduler& scheduler)
+      : config_(config), ranks_(ranks), scheduler_(scheduler) {}
+
+  template <class Work>
+  auto run(const char* label, const Work& work) {
+    if (config_.on_stage && ranks_.rank() == 0) config_.on_stage(label);
+    scheduler_.name_work(distributed_stages[next_]);
+    clock_ = CpuClock();
+    before_ = ranks_.traffic();
+    auto out = work();
+    measure();
+    ++next_;
+    return out;
+  }
+
+  // The reports of all ranks, when their last stage is nearly done.
+  [[nodiscard]] std::vector<RankReport> gather() {
+    measure();
+    std::vector<RankReport> all = ranks_.gather(report);
+    if (config_.last_words) config_.last_words();
+    return all;
+  }
+
+  RankReport report;
+
+ private:
+  void measure() {
+    const Traffic& now = ranks_.traffic();
+    report.stages[next_] = {clock_.elapsed(),
+                            {now.bytes_sent - before_.bytes_sent, now.bytes_received - before_.bytes_received,
+                             now.rounds - before_.rounds}};
+  }
+
+  const DistributedConfig& config_;
+  Ranks& ranks_;
+  Scheduler& scheduler_;
+  std::size_t next_ = 0;
+  CpuClock clock_;
+  Traffic before_;
+};
+
+}  // namespace
+
+RankStage RankReport::total() const {
+  RankStage sum;
+  for (const RankStage& stage : stages) {
+    sum.time += stage.time;
+    sum.traffic.bytes_sent += stage.traffic.bytes_sent;
+    sum.traffic.bytes_received += stage.traffic.bytes_received;
+    sum.traffic.rounds += stage.traffic.rounds;
+  }
+  return sum;
+}
+
+DistributedResult build_distributed(const MeshStream& stream, const DistributedConfig& config, Ranks& ranks,
+                                    Scheduler& scheduler) {
+  check(stream, config);
+  Stages stages(config, ranks, scheduler);
+  DistributedResult result;
+  Hierarchy& head = result.tables;
+  CleanSlices clean =
+      stages.run("reading", [&] { return distributed_clean(stream, config.lattice, ranks, scheduler); });
+  head.transform = clean.transform;
+  head.provenance.repairs = clean.repairs;
+  head.provenance.input_vertices = clean.vertices_left.total();
+  head.provenance.input_triangles = clean.triangles_left;
+  describe_config(config.build, head);
+
+  auto [choice, routed] = stages.run("sorting", [&] {
+    FinestChoice chosen = choose_cells(stream, clean, config.build, ranks);
+    RoutedMesh mesh = route_triangles(stream, std::move(clean), chosen, ranks);
+    return std::pair(std::move(chosen), std::move(mesh));
+  });
+  RankFinest finest = stages.run("sharing", [&] {
+    return make_rank_finest(std::move(routed), choice.level, config.build.sigma0, ranks, scheduler);
+  });
+  head.provenance.fingerprint = ranks.sum(finest.fingerprint);
+  const std::vector<CellPart> levels = stages.run("building", [&] {
+    return build_rank_levels(std::move(finest.part), choice.level,
+                             {config.build, choice.owners, head.transform.lattice}, ranks, scheduler);
+  });
+  stages.report.triangles = finest.triangles.size();
+  for (const CellPart& part : levels) stages.report.cells += part.codes.size();
+  result.file_bytes = stages.run("writing", [&] {
+    return save_ranks(
+        levels, head, config.output, [&] { result.ranks = stages.gather(); }, ranks, scheduler);
+  });
+  result.ranks[static_cast<std::size_t>(ranks.rank())] = stages.report;
+  return result;
+}
+
+}  // namespace lodestone

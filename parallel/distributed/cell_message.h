@@ -1,0 +1,28 @@
+// A cell above the finest level as bytes, for the rank that runs its block.
+#pragma once
+
+#include <span>
+
+#include "core/hierarchy/construct/cell_build.h"
+#include "parallel/distributed/transport.h"
+
+namespace lodestone {
+
+// Appends the cell without parents, with all that its block needs.
+void append_cell(CellCode code, const CellBuild& cell, Message& message);
+
+// Reads the cells of a message, one after the other. Throws Error where the bytes end within a cell.
+class CellReader {
+ public:
+  explicit CellReader(const Message& message) : left_(message) {}
+  [[nodiscard]] bool at_end() const { return left_.empty(); }
+  CellCode read(CellBuild& cell);
+
+ private:
+  template <class T>
+  void take(std::span<T> to);
+
+  std::span<const std::byte> left_;
+};
+
+}  // namespace lodestone

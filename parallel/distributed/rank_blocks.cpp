@@ -1,0 +1,105 @@
+#include "parallel/distributed/rank_blocks.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "parallel/distributed/cell_message.h"
+#include "parallel/distributed/pieces.h"
+#include "parallel/hierarchy/build_blocks.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::size_t round_bytes = std::size_t{8} << 20;  // of cells that a rank sends in a round, or one cell
+
+// Blocks of one level run, the others do not exist here.
+class OneLevel final : public CellStorage {
+ public:
+  OneLevel(const BlockPlan& plan, int level) : plan_(plan), level_(level) {}
+  [[nodiscard]] bool is_done(std::uint32_t block) const override { return plan_.blocks[block].level != level_; }
+
+ private:
+  const BlockPlan& plan_;
+  int level_;
+};
+
+// Runs the rank's blocks of a level: completes its cells, and returns the coarser ones.
+CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Scheduler& scheduler) {
+  if (part.codes.empty()) return {};
+  const BlockPlan plan = plan_blocks(part.codes, level);
+  const auto l = static_cast<std::size_t>(level);
+  std::vector<std::vector<CellBuild>> cells(l + 1);
+  cells[l] = std::move(part.cells);
+  cells[l - 1].resize(plan.levels[l - 1].codes.size());
+  OneLevel storage(plan, level);
+  BuildConfig config = setting.config;
+  config.strategy = Strategy::levels;
+  config.progress = {};
+  build_blocks({plan, cells, storage, {}, setting.lattice, 0, static_cast<std::size_t>(scheduler.workers())}, config,
+               scheduler);
+  part.cells = std::move(cells[l]);
+  return {plan.levels[l - 1].codes, std::move(cells[l - 1])};
+}
+
+CellPart sorted(CellPart&& part) {
+  std::vector<std::uint32_t> order(part.codes.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, {}, [&](std::uint32_t i) { return part.codes[i]; });
+  CellPart out;
+  for (const std::uint32_t i : order) {
+    out.codes.push_back(part.codes[i]);
+    out.cells.push_back(std::move(part.cells[i]));
+  }
+  return out;
+}
+
+// Cells go to the ranks that run their blocks.
+CellPart exchange_cells(CellPart&& made, int level, const CellOwners& owners, Ranks& ranks) {
+  CellPart out;
+  const auto keep = [&](CellCode code, CellBuild&& cell) {
+    out.codes.push_back(code);
+    out.cells.push_back(std::move(cell));
+  };
+  std::size_t next = 0;
+  do {
+    std::vector<Message> messages(static_cast<std::size_t>(ranks.count()));
+    for (std::size_t bytes = 0; next < made.cells.size() && bytes < round_bytes; ++next) {
+      CellBuild& cell = made.cells[next];
+      const int owner = owners.owner(made.codes[next], level);
+      if (owner == ranks.rank()) {
+        keep(made.codes[next], std::move(cell));
+        continue;
+      }
+      Message& message = messages[static_cast<std::size_t>(owner)];
+      const std::size_t before = message.size();
+      append_cell(made.codes[next], cell, message);
+      bytes += message.size() - before;
+      cell = CellBuild();
+    }
+    for (const Message& message : ranks.exchange(std::move(messages)))
+      for (CellReader reader(message); !reader.at_end();) {
+        CellBuild cell;
+        const CellCode code = reader.read(cell);
+        keep(code, std::move(cell));
+      }
+  } while (ranks.any(next < made.cells.size()));
+  return sorted(std::move(out));
+}
+
+}  // namespace
+
+std::vector<CellPart> build_rank_levels(CellPart&& finest, int level, const BlockSetting& setting, Ranks& ranks,
+                                        Scheduler& scheduler) {
+  std::vector<CellPart> levels(static_cast<std::size_t>(level) + 1);
+  levels.back() = std::move(finest);
+  for (int l = level; l > 0; --l) {
+    const auto at = static_cast<std::size_t>(l);
+    CellPart made = run_blocks(levels[at], l, setting, scheduler);
+    levels[at - 1] = exchange_cells(std::move(made), l - 1, setting.owners, ranks);
+  }
+  for (CellBuild& cell : levels.front().cells) cell.release_transient();
+  return levels;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,28 @@
+// The levels above the finest one: each rank runs its blocks, level by level, and sends the cells that they make to the
+// ranks that run theirs.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "parallel/distributed/cell_owners.h"
+#include "parallel/distributed/rank_finest.h"
+#include "parallel/distributed/ranks.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct BlockSetting {
+  const BuildConfig& config;  // its strategy and progress are not used
+  const CellOwners& owners;
+  Lattice lattice{};
+};
+
+// Returns the rank's cells by level, from the root: complete, each at the rank that has run its block. A rank may have
+// none of a level. `triangles`, of the finest level, remain in use. Memory: the cells, those under way, and block
+// memory for each worker; nothing that grows with the cells of other ranks.
+[[nodiscard]] std::vector<CellPart> build_rank_levels(CellPart&& finest, int level, const BlockSetting& setting,
+                                                      Ranks& ranks, Scheduler& scheduler);
+
+}  // namespace lodestone

@@ -1,0 +1,31 @@
+// The cells of the finest level that a rank has.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/hierarchy/construct/cell_build.h"
+#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/route_triangles.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+// Some cells of a level, by code.
+struct CellPart {
+  std::vector<CellCode> codes;  // ascending
+  std::vector<CellBuild> cells;
+};
+
+struct RankFinest {
+  CellPart part;
+  std::vector<Triangle> triangles;  // that the cells look at
+  std::uint64_t fingerprint = 0;    // of the rank's triangles
+};
+
+// As make_finest_cells for all ranks together: what cells of several ranks know of a vertex that they share is added up
+// at the rank of its id. Consumes the mesh. Memory: as partition_mesh, and 40 bytes per vertex shared between ranks.
+[[nodiscard]] RankFinest make_rank_finest(RoutedMesh&& routed, int level, float sigma0, Ranks& ranks,
+                                          Scheduler& scheduler);
+
+}  // namespace lodestone

@@ -1,0 +1,297 @@
+#include "parallel/distributed/rank_save.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "core/files/atomic_file.h"
+#include "core/hierarchy/construct/cell_table.h"
+#include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/model/find_signatures.h"
+#include "parallel/distributed/pieces.h"
+#include "parallel/hierarchy/level_table.h"
+#include "parallel/scheduler/runner.h"
+
+namespace lodestone {
+namespace {
+
+// A cell as rank 0 needs to know it.
+struct CellRecord {
+  CellCode code;
+  std::uint32_t level = 0, vertices = 0, shared = 0, triangles = 0;
+  CellFigures figures;
+};
+
+// Rank 0's answer about a cell.
+struct CellPlace {
+  std::uint64_t offset = 0;  // of the payload
+  CellId id;
+};
+
+// A vertex that cells share, as one of them has it.
+struct BorderItem {
+  CellId cell;
+  Vec3f position;
+  float error = 0;
+};
+
+PayloadCounts counts_of_record(const CellRecord& cell, bool short_indices) {
+  return {cell.vertices, cell.shared, cell.triangles, cell.level > 0, short_indices, {}};
+}
+
+// A cell of a rank.
+struct OwnCell {
+  std::uint32_t level;
+  CellCode code;
+  const CellBuild* build;
+
+  [[nodiscard]] CellRecord record() const {
+    return {code,
+            level,
+            static_cast<std::uint32_t>(build->vertex_count()),
+            static_cast<std::uint32_t>(build->slab.shared_ids.size()),
+            static_cast<std::uint32_t>(build->triangles.size()),
+            *build};
+  }
+};
+
+// The tables of the file, at rank 0.
+class Tables {
+ public:
+  // `records`: by rank, the cells of each in its order.
+  Tables(const ByRank<CellRecord>& records, Hierarchy& head) : head_(head) {
+    std::vector<Entry> order;
+    for (std::uint32_t rank = 0; rank < records.size(); ++rank) {
+      places_.emplace_back(records[rank].size());
+      for (std::uint32_t i = 0; i < records[rank].size(); ++i) order.push_back({&records[rank][i], rank, i});
+    }
+    std::ranges::sort(order, {}, [](const Entry& e) { return std::pair(e.record->level, e.record->code); });
+    const std::uint32_t finest = order.back().record->level;
+    std::vector<CellCode> codes;
+    for (const Entry& entry : order)
+      if (entry.record->level == finest) codes.push_back(entry.record->code);
+    const BlockPlan plan = plan_blocks(codes, static_cast<int>(finest));
+    std::size_t first = 0;
+    for (std::size_t l = 0; l <= finest; ++l) {
+      append_level(
+          plan, l,
+          [&](CellRank rank) {
+            const CellRecord& record = *order[first + rank].record;
+            return LevelEntry{&record.figures, record.vertices, record.triangles};
+          },
+          head);
+      first = head.cells.size();
+    }
+    for (const Entry& entry : order) counts_.push_back(counts_of_record(*entry.record, false));
+    layout_ = plan_lode(head, counts_);
+    for (std::uint32_t c = 0; c < order.size(); ++c)
+      places_[order[c].rank][order[c].index] = {layout_.cell_offset[c], CellId(c)};
+    checksums_.resize(order.size());
+  }
+
+  [[nodiscard]] const ByRank<CellPlace>& places() const { return places_; }
+  [[nodiscard]] const LodeLayout& layout() const { return layout_; }
+  void set_checksum(CellId cell, std::uint64_t checksum) { checksums_[cell] = checksum; }
+
+  // Writes all but the payloads; returns the size of the file.
+  std::uint64_t finish(const Signatures& signatures, AtomicFile& file) const {
+    const std::vector<std::byte> assets = encode_assets(head_, &signatures);
+    file.write_at(layout_.payload_end(), assets);
+    file.write_at(0, encode_lode_tables(head_, counts_, layout_, checksums_, assets));
+    file.commit();
+    return layout_.payload_end() + assets.size();
+  }
+
+ private:
+  struct Entry {
+    const CellRecord* record;
+    std::uint32_t rank, index;
+  };
+  Hierarchy& head_;
+  std::vector<PayloadCounts> counts_;  // by cell of the file
+  LodeLayout layout_;
+  std::vector<std::uint64_t> checksums_;
+  ByRank<CellPlace> places_;
+};
+
+class RankSaver {
+ public:
+  RankSaver(const std::vector<CellPart>& levels, Hierarchy& head, Ranks& ranks, Scheduler& scheduler)
+      : level_count_(levels.size()), head_(head), ranks_(ranks), scheduler_(scheduler) {
+    for (std::uint32_t l = 0; l < levels.size(); ++l) {
+      first_of_level_.push_back(cells_.size());
+      for (std::size_t c = 0; c < levels[l].codes.size(); ++c)
+        cells_.push_back({l, levels[l].codes[c], &levels[l].cells[c]});
+    }
+    first_of_level_.push_back(cells_.size());
+  }
+
+  // Every rank gets the places of its cells.
+  void make_tables() {
+    ByRank<CellRecord> records = by_rank<CellRecord>(ranks_);
+    exchange_in_pieces<CellRecord>(
+        ranks_, cells_.size(), [&](std::uint64_t i, const auto& emit) { emit(0, cells_[i].record()); },
+        [&](int from, const std::vector<CellRecord>& some) {
+          std::vector<CellRecord>& of_rank = records[static_cast<std::size_t>(from)];
+          of_rank.insert(of_rank.end(), some.begin(), some.end());
+        });
+    std::vector<std::pair<int, CellPlace>> places;
+    if (is_first()) {
+      tables_.emplace(records, head_);
+      for (std::size_t rank = 0; rank < tables_->places().size(); ++rank)
+        for (const CellPlace& place : tables_->places()[rank]) places.emplace_back(rank, place);
+    }
+    exchange_in_pieces<CellPlace>(
+        ranks_, places.size(), [&](std::uint64_t i, const auto& emit) { emit(places[i].first, places[i].second); },
+        [&](int, const std::vector<CellPlace>& some) { places_.insert(places_.end(), some.begin(), some.end()); });
+    short_indices_ = ranks_.any(is_first() && tables_->layout().short_indices);
+  }
+
+  void find_signatures() {
+    std::optional<SignatureFinder> finder;
+    if (is_first()) finder.emplace(head_, Signatures::most, runner_over(scheduler_));
+    for (std::size_t l = 0; l < level_count_; ++l) gather_level(l, finder ? &*finder : nullptr);
+    if (finder) signatures_.emplace(std::move(*finder).finish());
+  }
+
+  // Creates the file at rank 0, with room for all payloads, and opens it at the others.
+  void open(const std::filesystem::path& path) {
+    std::string name;
+    if (is_first()) {
+      file_ = std::make_unique<AtomicFile>(path);
+      file_->reserve(tables_->layout().payload_end());
+      name = std::filesystem::absolute(file_->written_path()).string();
+    }
+    const auto bytes = std::as_bytes(std::span(name));
+    const Message message = ranks_.from_first({bytes.begin(), bytes.end()});
+    name.assign(reinterpret_cast<const char*>(message.data()), message.size());
+    if (is_first()) return;
+    file_ = std::make_unique<AtomicFile>(path, name);
+  }
+
+  void write_payloads() {
+    struct Checksum {
+      CellId cell;
+      std::uint64_t checksum;
+    };
+    std::vector<Checksum> checksums(cells_.size());
+    const std::vector<std::size_t> runs = find_runs();
+    std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler_.workers()));
+    scheduler_.for_chunks(runs.size() - 1, 1, [&](ChunkRange range) {
+      std::vector<std::byte>& bytes = buffers[static_cast<std::size_t>(scheduler_.worker_index())];
+      bytes.clear();
+      for (std::size_t i = runs[range.begin]; i < runs[range.begin + 1]; ++i) {
+        const std::size_t before = bytes.size();
+        bytes.resize(before + payload_bytes(i));
+        checksums[i] = {places_[i].id, encode(i, std::span(bytes).subspan(before))};
+      }
+      file_->write_at(places_[runs[range.begin]].offset, bytes);
+    });
+    if (!is_first()) file_->commit();
+    exchange_in_pieces<Checksum>(
+        ranks_, checksums.size(), [&](std::uint64_t i, const auto& emit) { emit(0, checksums[i]); },
+        [&](int, const std::vector<Checksum>& some) {
+          for (const Checksum& c : some) tables_->set_checksum(c.cell, c.checksum);
+        });
+  }
+
+  std::uint64_t finish() {
+    ranks_.tell_first();
+    return is_first() ? tables_->finish(*signatures_, *file_) : 0;
+  }
+
+ private:
+  [[nodiscard]] bool is_first() const { return ranks_.rank() == 0; }
+  [[nodiscard]] std::uint64_t payload_bytes(std::size_t i) const {
+    return lode_aligned(plain_bytes(counts_of_record(cells_[i].record(), short_indices_)));
+  }
+
+  // The vertices that cells of a level share go to rank 0.
+  void gather_level(std::size_t level, SignatureFinder* finder) {
+    std::vector<BorderItem> own;
+    for (std::size_t i = first_of_level_[level]; i < first_of_level_[level + 1]; ++i) {
+      const CellBuild& cell = *cells_[i].build;
+      for (std::size_t k = 0; k < cell.slab.shared_ids.size(); ++k)
+        own.push_back({places_[i].id, cell.slab.positions[cell.first_shared() + k],
+                       cell.border_errors.empty() ? 0 : cell.border_errors[k]});
+    }
+    struct Border {
+      std::vector<Vec3f> positions;
+      std::vector<float> errors;
+    };
+    std::vector<Border> borders(finder ? head_.levels[level].cell_count : 0);
+    exchange_in_pieces<BorderItem>(
+        ranks_, own.size(), [&](std::uint64_t i, const auto& emit) { emit(0, own[i]); },
+        [&](int, const std::vector<BorderItem>& some) {
+          for (const BorderItem& item : some) {
+            Border& border = borders[head_.levels[level].rank_of(item.cell)];
+            border.positions.push_back(item.position);
+            if (level + 1 < level_count_) border.errors.push_back(item.error);
+          }
+        });
+    if (!finder) return;
+    std::size_t most = 0;
+    for (const Border& border : borders) most = std::max(most, border.positions.size());
+    const std::vector<std::uint32_t> ids(most, 0);  // signatures follow from positions
+    finder->begin_level();
+    for (CellRank rank{0}; rank < borders.size(); ++rank) {
+      Cell cell;
+      cell.positions = borders[rank].positions;
+      cell.shared_ids = std::span(ids).first(cell.positions.size());
+      cell.border_errors = borders[rank].errors;
+      finder->add(head_.levels[level].id_of(rank), cell);
+    }
+    finder->end_level();
+  }
+
+  // Cells whose payloads follow each other in the file are written at once, a mebibyte at most or one cell: the first
+  // cell of each run, and the end.
+  [[nodiscard]] std::vector<std::size_t> find_runs() const {
+    constexpr std::uint64_t run_bytes = 1u << 20;
+    std::vector<std::size_t> runs;
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      if (runs.empty() || places_[i].offset != places_[i - 1].offset + payload_bytes(i - 1) ||
+          places_[i].offset - places_[runs.back()].offset >= run_bytes)
+        runs.push_back(i);
+    runs.push_back(cells_.size());
+    return runs;
+  }
+
+  std::uint64_t encode(std::size_t i, std::span<std::byte> bytes) const {
+    Cell cell;
+    cell.parent = cells_[i].level > 0 ? CellId(0) : no_cell;  // any: the payload has no more of it
+    view_payload(*cells_[i].build, cells_[i].level > 0, cell);
+    return encode_payload(cell, short_indices_, bytes);
+  }
+
+  std::size_t level_count_;
+  Hierarchy& head_;
+  Ranks& ranks_;
+  Scheduler& scheduler_;
+  std::vector<OwnCell> cells_;  // by level, then code
+  std::vector<std::size_t> first_of_level_;
+  std::vector<CellPlace> places_;  // by own cell
+  bool short_indices_ = false;
+  std::unique_ptr<AtomicFile> file_;
+  // At rank 0.
+  std::optional<Tables> tables_;
+  std::optional<Signatures> signatures_;
+};
+
+}  // namespace
+
+std::uint64_t save_ranks(const std::vector<CellPart>& levels, Hierarchy& head, const std::filesystem::path& path,
+                         const std::function<void()>& last_words, Ranks& ranks, Scheduler& scheduler) {
+  RankSaver saver(levels, head, ranks, scheduler);
+  saver.make_tables();
+  saver.find_signatures();
+  saver.open(path);
+  saver.write_payloads();
+  last_words();
+  return saver.finish();
+}
+
+}  // namespace lodestone

@@ -1,0 +1,89 @@
+// Calls that all ranks of a job make together, made of the messages of a transport. Every rank has to make the same
+// calls in the same order: a message carries the number of the call that it belongs to, and another one is an error,
+// not a hang.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "parallel/distributed/transport.h"
+
+namespace lodestone {
+
+// Messages to other ranks and from them.
+struct Traffic {
+  std::uint64_t bytes_sent = 0, bytes_received = 0;
+  std::uint64_t rounds = 0;  // of messages between all ranks
+};
+
+class Ranks {
+ public:
+  explicit Ranks(Transport& transport) : transport_(transport) {}
+  [[nodiscard]] int rank() const { return transport_.rank(); }
+  [[nodiscard]] int count() const { return transport_.ranks(); }
+  [[nodiscard]] const std::string& host() const { return transport_.host(); }
+  [[nodiscard]] const Traffic& traffic() const { return traffic_; }
+
+  // One round: out[r] goes to rank r; returns what each rank has sent to this one. Throws Error when a message has
+  // another size or belongs to another call than it should.
+  [[nodiscard]] std::vector<Message> exchange(std::vector<Message>&& out);
+  template <class Item>
+  [[nodiscard]] std::vector<std::vector<Item>> exchange(const std::vector<std::vector<Item>>& out);
+
+  // The values of all ranks, by rank.
+  template <class Value>
+  [[nodiscard]] std::vector<Value> gather(const Value& value);
+  template <class Value>
+  [[nodiscard]] std::vector<std::vector<Value>> gather_lists(const std::vector<Value>& values) {
+    return exchange(std::vector(static_cast<std::size_t>(count()), values));
+  }
+  [[nodiscard]] std::uint64_t sum(std::uint64_t value);
+  [[nodiscard]] std::uint64_t maximum(std::uint64_t value);
+  [[nodiscard]] bool any(bool value) { return maximum(value) > 0; }
+  // Rank 0 waits for all others, which do not wait for it: what it does after that, it does if none has failed.
+  void tell_first();
+  // Returns rank 0's message; those of the others do not count.
+  [[nodiscard]] Message from_first(const Message& message);
+
+ private:
+  void send(int to, const Message& payload);
+  [[nodiscard]] Message receive(int from);
+
+  Transport& transport_;
+  Traffic traffic_;
+};
+
+template <class Item>
+std::vector<std::vector<Item>> Ranks::exchange(const std::vector<std::vector<Item>>& out) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  std::vector<Message> messages;
+  for (const std::vector<Item>& items : out) {
+    const auto bytes = std::as_bytes(std::span(items));
+    messages.emplace_back(bytes.begin(), bytes.end());
+  }
+  std::vector<std::vector<Item>> in;
+  for (const Message& message : exchange(std::move(messages))) {
+    if (message.size() % sizeof(Item) != 0) throw Error("a message of another kind than expected");
+    std::vector<Item>& items = in.emplace_back(message.size() / sizeof(Item));
+    if (!items.empty()) std::memcpy(static_cast<void*>(items.data()), message.data(), message.size());
+  }
+  return in;
+}
+
+template <class Value>
+std::vector<Value> Ranks::gather(const Value& value) {
+  std::vector<Value> all;
+  for (const std::vector<Value>& of_rank : gather_lists(std::vector{value})) {
+    if (of_rank.size() != 1) throw Error("a message of another size than expected");
+    all.push_back(of_rank.front());
+  }
+  return all;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,168 @@
+#include "parallel/distributed/route_triangles.h"
+
+#include <algorithm>
+#include <deque>
+#include <utility>
+
+#include "parallel/hierarchy/partition.h"
+
+namespace lodestone {
+namespace {
+
+// The answer of the owner of a vertex of the input.
+struct VertexAnswer {
+  Vec3f position;
+  std::uint32_t number;
+};
+
+// The triangles that are left of a part of the slice, with the positions and numbers of their corners.
+class PieceMesh {
+ public:
+  PieceMesh(std::vector<Triangle>&& triangles, const CleanSlices& clean, Ranks& ranks) : corners_(triangles) {
+    answers_ = Question(ranks, clean.vertices, corners_.vertices()).answer<VertexAnswer>([&](std::uint32_t v) {
+      return VertexAnswer{clean.positions[v], clean.numbers[v]};
+    });
+    count_ = triangles.size();
+  }
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] CellCode cell(std::size_t triangle, int level) const {
+    const auto& v = corners_.of(triangle).v;
+    return CellCode::from(
+        cell_of(barycentre(answers_[v[0]].position, answers_[v[1]].position, answers_[v[2]].position), level));
+  }
+  [[nodiscard]] Triangle numbers(std::size_t triangle) const {
+    const auto& v = corners_.of(triangle).v;
+    return {{answers_[v[0]].number, answers_[v[1]].number, answers_[v[2]].number}};
+  }
+
+ private:
+  PieceCorners corners_;
+  std::vector<VertexAnswer> answers_;
+  std::size_t count_ = 0;
+};
+
+// By triangle that is looked at: where it is in the slice.
+std::vector<std::uint32_t> sample_slice(const CleanSlices& clean, Ranks& ranks) {
+  const std::vector<std::uint64_t> left = ranks.gather(clean.own_triangles);
+  std::uint64_t number = Slices(left).begin(ranks.rank());  // among the triangles that are left
+  const std::uint64_t stride = level_sample_stride(clean.triangles_left);
+  std::vector<std::uint32_t> sample;
+  const auto own = static_cast<std::uint32_t>(clean.triangles.size(ranks.rank()));
+  for (std::uint32_t t = 0; t < own; ++t)
+    if (!clean.dropped[t] && number++ % stride == 0) sample.push_back(t);
+  return sample;
+}
+
+// Cells of max_level of the triangles that all ranks look at.
+std::vector<CellCode> sample_cells(const MeshStream& stream, const CleanSlices& clean, Ranks& ranks) {
+  const std::uint64_t first = clean.triangles.begin(ranks.rank());
+  const std::vector<std::uint32_t> sample = sample_slice(clean, ranks);
+  std::vector<CellCode> cells;
+  for_pieces(ranks, sample.size(), [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<Triangle> triangles(end - begin);
+    for (std::uint64_t i = begin; i < end; ++i)
+      stream.read_triangles(first + sample[i], std::span(triangles).subspan(i - begin, 1));
+    const PieceMesh piece(std::move(triangles), clean, ranks);
+    for (std::size_t t = 0; t < piece.size(); ++t) cells.push_back(piece.cell(t, max_level));
+  });
+  std::vector<CellCode> all;
+  for (const std::vector<CellCode>& of_rank : ranks.gather_lists(cells))
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  return all;
+}
+
+// Joins the lists of each rank, in their order, in the order of the ranks.
+std::vector<Triangle> joined(std::vector<std::deque<std::vector<Triangle>>>&& by_source) {
+  std::size_t count = 0;
+  for (const auto& parts : by_source)
+    for (const std::vector<Triangle>& part : parts) count += part.size();
+  std::vector<Triangle> all;
+  all.reserve(count);
+  for (auto& parts : by_source)
+    for (; !parts.empty(); parts.pop_front()) all.insert(all.end(), parts.front().begin(), parts.front().end());
+  return all;
+}
+
+// The triangles of the own cells, by numbers of vertices.
+std::vector<Triangle> exchange_triangles(const MeshStream& stream, const CleanSlices& clean, const FinestChoice& finest,
+                                         Ranks& ranks) {
+  const std::uint64_t first = clean.triangles.begin(ranks.rank());
+  std::vector<std::deque<std::vector<Triangle>>> came(static_cast<std::size_t>(ranks.count()));
+  for_pieces(ranks, clean.triangles.size(ranks.rank()), [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<Triangle> triangles(end - begin);
+    stream.read_triangles(first + begin, triangles);
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      if (!clean.dropped[begin + t]) triangles[kept++] = triangles[t];
+    triangles.resize(kept);
+    const PieceMesh piece(std::move(triangles), clean, ranks);
+    ByRank<Triangle> out = by_rank<Triangle>(ranks);
+    for (std::size_t t = 0; t < piece.size(); ++t) {
+      const int owner = finest.owners.owner(piece.cell(t, finest.level), finest.level);
+      out[static_cast<std::size_t>(owner)].push_back(piece.numbers(t));
+    }
+    ByRank<Triangle> in = ranks.exchange(out);
+    for (std::size_t from = 0; from < in.size(); ++from)
+      if (!in[from].empty()) came[from].push_back(std::move(in[from]));
+  });
+  return joined(std::move(came));
+}
+
+// Replaces numbers of vertices by consecutive ones, whose numbers are returned.
+std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
+  KeyNumbers<std::uint32_t> numbers;
+  numbers.clear(triangles.size() / 2 + triangles.size() / 16);
+  if (!triangles.empty())
+    numbers.number({triangles.data()->v.data(), 3 * triangles.size()}, triangles.data()->v.data());
+  return {numbers.keys().begin(), numbers.keys().end()};
+}
+
+}  // namespace
+
+FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
+  std::vector<CellCode> sample = sample_cells(stream, clean, ranks);
+  const int level = config.finest_level < 0 ? finest_level_of(sample, clean.triangles_left, config.cell_triangles)
+                                            : config.finest_level;
+  for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - level);
+  return {level, CellOwners(level, std::move(sample), ranks.count())};
+}
+
+RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const FinestChoice& finest, Ranks& ranks) {
+  CleanSlices clean = std::move(given);
+  RoutedMesh out;
+  out.vertices = clean.vertices_left;
+  out.mesh.transform = clean.transform;
+  out.mesh.triangles = exchange_triangles(stream, clean, finest, ranks);
+  std::vector<std::uint32_t>().swap(clean.numbers);
+  clean.dropped = BitSet();
+  out.ids = number_locally(out.mesh.triangles);
+
+  // Positions of the vertices that are left, in the order of their numbers, and how many ranks ask for each.
+  std::vector<Vec3f>& positions = clean.positions;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (clean.left[i]) positions[kept++] = positions[i];
+  positions.resize(kept);
+  std::vector<std::uint8_t> askers(kept, 0);
+  out.mesh.positions.reserve(out.ids.size());
+  const auto ask = [&](const auto& visit) {
+    for_pieces(ranks, out.ids.size(), [&](std::uint64_t begin, std::uint64_t end) {
+      visit(Question(ranks, out.vertices, std::span(out.ids).subspan(begin, end - begin)));
+    });
+  };
+  ask([&](const Question& question) {
+    for (const std::vector<std::uint32_t>& of_rank : question.asked())
+      for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
+    const auto some = question.answer<Vec3f>([&](std::uint32_t v) { return positions[v]; });
+    out.mesh.positions.insert(out.mesh.positions.end(), some.begin(), some.end());
+  });
+  std::vector<Vec3f>().swap(positions);
+  out.used_by_others.reserve(out.ids.size());
+  ask([&](const Question& question) {
+    const auto some = question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; });
+    out.used_by_others.insert(out.used_by_others.end(), some.begin(), some.end());
+  });
+  return out;
+}
+
+}  // namespace lodestone

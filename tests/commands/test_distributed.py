@@ -1,0 +1,102 @@
+"""lodestone-mpi under its launcher: the bytes of lodestone build, figures of every rank, and ranks that end early.
+usage: LODESTONE_MPI=PROGRAM LAUNCHER=mpirun test_distributed.py PROGRAM"""
+
+import json
+import os
+import signal
+import subprocess
+
+import command_case
+from command_case import FILE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, until
+
+# Open MPI: more ranks than processors, also as root in a container.
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+SCAN = SOURCE / "build/data/scans/lucy100k.ply"
+
+
+def surface():
+    """A scan, or a generated surface where the models are not unpacked."""
+    return SCAN if SCAN.exists() else model("small.ply", "generate", "sphere", "--triangles", 100_000)
+
+
+def command(ranks, *arguments):
+    return [os.environ["LAUNCHER"], "-n", str(ranks), os.environ["LODESTONE_MPI"], "build", *map(str, arguments)]
+
+
+class Distributed(CommandCase):
+    def job(self, ranks, *arguments):
+        return subprocess.run(command(ranks, *arguments), cwd=self.folder, capture_output=True, timeout=300, text=True,
+                              env=ENVIRONMENT, check=False)
+
+    def built(self, ranks, *arguments):
+        done = self.job(ranks, *arguments, "-o", "m.lode", "--json", "m.json", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(set(self.listing()), {"m.lode", "m.json"})
+        return (self.folder / "m.lode").read_bytes(), json.loads((self.folder / "m.json").read_text())
+
+    def assert_refused(self, done, status, *words):
+        """With one line of the program, whatever the launcher adds, and no output."""
+        self.assertEqual(done.returncode, status, done.stderr)
+        lines = [line for line in done.stderr.splitlines() if line.startswith("lodestone")]
+        self.assertEqual(len(lines), 1, done.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(self.listing(), {})
+
+    def test_same_bytes_for_any_ranks_and_threads(self):
+        expected = model("expected.lode", "build", surface(), "--no-attributes").read_bytes()
+        for ranks, threads in ((1, 2), (2, 1), (3, 2), (5, 1)):
+            with self.subTest(ranks=ranks, threads=threads):
+                built, figures = self.built(ranks, surface(), "--no-attributes", "--threads", threads)
+                self.assertTrue(built == expected)
+                self.assertEqual(len(figures["ranks"]), ranks)
+                self.assertEqual(figures["threads"], threads)
+                self.assertEqual(sum(rank["triangles"] for rank in figures["ranks"]), figures["input_triangles"])
+                self.assertEqual(sum(rank["bytes_sent"] for rank in figures["ranks"]), figures["bytes_sent"])
+                for rank in figures["ranks"]:
+                    self.assertGreater(rank["peak_bytes"], 1 << 20)
+                    self.assertTrue(rank["host"])
+                for value in figures["imbalance"].values():
+                    self.assertGreaterEqual(value, 1)
+
+    def test_a_generated_surface_needs_no_file(self):
+        made = model("terrain.ply", "generate", "terrain", "--triangles", 50_000, "--seed", 5)
+        expected = model("terrain.lode", "build", made).read_bytes()
+        self.assertTrue(self.built(3, "--generate", "terrain:5e4:5", "--threads", 1)[0] == expected)
+
+    def test_runs_without_a_launcher(self):
+        done = subprocess.run(command(1, "--generate", "sphere:2000", "-o", "m.lode")[3:], cwd=self.folder,
+                              capture_output=True, timeout=60, text=True, env=ENVIRONMENT, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("by 1 ranks", done.stdout)
+
+    def test_errors_are_one_line_of_one_rank(self):
+        self.assert_refused(self.job(3, "missing.ply", "-o", "m.lode"), FILE, "rank 0 on ", "missing.ply: cannot open")
+        self.assert_refused(self.job(2, surface(), "-o", "no/m.lode"), FILE, "rank 0 on ", "no/m.lode")
+        self.assert_refused(self.job(2, surface(), "-o", "m.lode", "--ranks"), USAGE, "lodestone-mpi build --help")
+        self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either a file or --generate")
+        self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode"), UNSUPPORTED, "lodestone build")
+        self.assert_refused(self.job(2, surface(), "--generate", "sphere:100", "-o", "m.lode"), USAGE, "--generate")
+
+    def test_a_rank_that_is_killed_ends_the_job_without_a_file(self):
+        with subprocess.Popen(command(3, "--generate", "sphere:20e6", "-o", "m.lode", "--threads", 1, "--quiet"),
+                              cwd=self.folder, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT) as job:
+            children = f"/proc/{job.pid}/task/{job.pid}/children"
+            ranks = until(lambda: [pid for pid in self.read(children).split() if self.is_rank(pid)][2:], "3 ranks")
+            os.kill(int(ranks[0]), signal.SIGKILL)
+            self.assertNotEqual(job.wait(60), 0)
+            self.assertIn("signal 9", job.stderr.read())
+        self.assertEqual(self.listing(), {})
+
+    @staticmethod
+    def read(path):
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+
+    def is_rank(self, pid):
+        return self.read(f"/proc/{pid}/cmdline").startswith(os.environ["LODESTONE_MPI"])
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)

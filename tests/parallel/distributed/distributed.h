@@ -1,0 +1,70 @@
+// A build by several ranks, which are threads here, and the same one in memory.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "parallel/distributed/build_distributed.h"
+#include "parallel/distributed/local_transport.h"
+#include "parallel/out_of_core/build_model.h"
+#include "tests/parallel/stream_meshes.h"
+#include "tests/test_folder.h"
+
+namespace lodestone::testing {
+
+namespace fs = std::filesystem;
+
+class Distributed : public FolderTest {
+ protected:
+  Distributed() {
+    config_.build.cell_triangles = 100;
+    config_.build.sigma0 = 1;
+    config_.output = folder_ / "ranks.lode";
+  }
+
+  // The file that comes of building in memory.
+  std::string in_memory(const fs::path& path) const {
+    const auto scheduler = make_tbb_scheduler(2);
+    ModelConfig config{.build = config_.build, .output = folder_ / "expected.lode", .lattice = config_.lattice};
+    (void)build_model(ModelSource{path, {.attributes = false}}, config, *scheduler);
+    return content(config.output);
+  }
+
+  DistributedResult build(const MeshStream& stream, int ranks, int threads, const LocalRanksConfig& local = {}) const {
+    DistributedResult first;
+    run_local_ranks(
+        ranks,
+        [&](Transport& transport) {
+          const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
+          Ranks all(transport);
+          DistributedResult result = build_distributed(stream, config_, all, *scheduler);
+          if (transport.rank() == 0) first = std::move(result);
+        },
+        local);
+    return first;
+  }
+  std::string built(const fs::path& path, int ranks, int threads) const {
+    (void)build(*open_mesh_stream(path, {.attributes = false}), ranks, threads);
+    return content(config_.output);
+  }
+  // From any number of ranks, and of threads in each.
+  void expect_same(const fs::path& path) const {
+    const std::string expected = in_memory(path);
+    ASSERT_FALSE(expected.empty());
+    for (const int ranks : {1, 2, 3, 5, 8})
+      for (const int threads : {0, 2})
+        EXPECT_TRUE(built(path, ranks, threads) == expected) << ranks << " ranks, " << threads << " threads";
+  }
+
+  fs::path mesh(const RawMesh& raw) const {
+    test::write_ply(folder_ / "m.ply", raw);
+    return folder_ / "m.ply";
+  }
+
+  DistributedConfig config_;
+};
+
+}  // namespace lodestone::testing

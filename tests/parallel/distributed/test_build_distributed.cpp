@@ -1,0 +1,138 @@
+// Builds by several ranks: the bytes of a build on one machine, whatever the input and the number of ranks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/hierarchy/construct/cell_table.h"
+#include "core/mesh/generate.h"
+#include "parallel/distributed/cell_owners.h"
+#include "parallel/distributed/generated_stream.h"
+#include "parallel/mesh/generate.h"
+#include "tests/expect_error.h"
+#include "tests/parallel/distributed/distributed.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Distributed;
+
+RawMesh sphere(int times) { return test::raw_of(test::sphere_mesh(times)); }
+
+TEST_F(Distributed, GivesTheBytesOfOneMachine) { expect_same(mesh(sphere(5))); }
+
+TEST_F(Distributed, RepairsWhatOneMachineRepairs) {
+  expect_same(mesh(test::with_faults(sphere(5), 1)));
+  const auto scheduler = make_serial_scheduler();
+  const RawMesh faulty = test::with_faults(sphere(4), 2);
+  const DistributedResult result = build(*open_mesh_stream(mesh(faulty)), 3, 0);
+  ModelConfig config{.build = config_.build, .output = folder_ / "expected.lode"};
+  const ModelResult expected = build_model(ModelSource{folder_ / "m.ply"}, config, *scheduler);
+  EXPECT_EQ(result.tables.provenance.repairs, expected.hierarchy.provenance.repairs);
+  EXPECT_GT(result.tables.provenance.repairs.welded_vertices, 0u);
+  EXPECT_GT(result.tables.provenance.repairs.duplicate_triangles, 0u);
+  EXPECT_GT(result.tables.provenance.repairs.non_finite_triangles, 0u);
+  EXPECT_EQ(result.file_bytes, fs::file_size(config_.output));
+}
+
+TEST_F(Distributed, TakesTrianglesInAnyOrder) {
+  RawMesh raw = sphere(5);
+  std::mt19937 random(3);
+  std::shuffle(raw.triangles.begin(), raw.triangles.end(), random);
+  expect_same(mesh(raw));
+}
+
+TEST_F(Distributed, TakesFewTriangles) {
+  expect_same(mesh(sphere(0)));  // some ranks have no triangle at all
+  config_.build.finest_level = 4;
+  expect_same(mesh(sphere(1)));
+}
+
+TEST_F(Distributed, PutsVerticesOnALattice) {
+  config_.lattice = {12};
+  expect_same(mesh(sphere(4)));
+}
+
+TEST_F(Distributed, BuildsGeneratedSurfacesWithoutAFile) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const char* text : {"terrain:30000:3", "torus:20000", "pile:3000:2"}) {
+    const GenerateConfig config = parse_generator(text);
+    (void)generate_ply(config, folder_ / "g.ply", *scheduler);
+    const std::string expected = in_memory(folder_ / "g.ply");
+    (void)build(*generated_stream(config), 3, 2);
+    EXPECT_TRUE(content(config_.output) == expected) << text;
+  }
+}
+
+TEST_F(Distributed, TellsWhatEachRankHasDone) {
+  const DistributedResult result = build(*open_mesh_stream(mesh(sphere(5))), 3, 0);
+  ASSERT_EQ(result.ranks.size(), 3u);
+  std::uint64_t triangles = 0, cells = 0;
+  for (const RankReport& rank : result.ranks) {
+    triangles += rank.triangles;
+    cells += rank.cells;
+    EXPECT_GT(rank.total().traffic.bytes_sent, 0u);
+    EXPECT_GT(rank.total().traffic.bytes_received, 0u);
+    EXPECT_GE(rank.total().traffic.rounds, result.ranks.back().total().traffic.rounds);
+  }
+  EXPECT_EQ(triangles, 8u << 10);
+  EXPECT_EQ(cells, result.tables.cells.size());
+}
+
+TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
+  const fs::path path = mesh(sphere(2));
+  const auto stream = open_mesh_stream(path);
+  config_.build.refine = true;
+  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"splitting long edges"});
+  config_.build.refine = false;
+  config_.build.order_cells = true;
+  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"compressed"});
+  config_.build.order_cells = false;
+  const fs::path coloured = test_folder_.write(
+      "c.ply",
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n" +
+          std::string(3 * 15 + 13, '\3'));
+  expect_error_of<UnsupportedError>([&] { (void)build(*open_mesh_stream(coloured), 2, 0); },
+                                    {"c.ply", "attributes", "--no-attributes"});
+}
+
+// Cells of 8 x 8 x 4 on level 3, all of them.
+TEST(CellOwners, KeepBlocksTogetherAndShareThemOut) {
+  std::vector<CellCode> cells;
+  for (std::uint16_t x = 0; x < 8; ++x)
+    for (std::uint16_t y = 0; y < 8; ++y)
+      for (std::uint16_t z = 0; z < 4; ++z) cells.push_back(CellCode::from({x, y, z}));
+  const CellOwners owners(3, cells, 4);
+  std::map<std::uint64_t, int> of_block;
+  std::vector<int> shares(4);
+  for (const CellCode cell : cells) {
+    const int owner = owners.owner(cell, 3);
+    ++shares.at(static_cast<std::size_t>(owner));
+    const std::uint64_t block = CellCode::from(block_of_parent(cell.parent().coord())).morton;
+    EXPECT_EQ(of_block.try_emplace(block, owner).first->second, owner);
+  }
+  EXPECT_LT(std::ranges::max(shares), 2 * 64);
+  EXPECT_GT(std::ranges::min(shares), 0);
+  for (const CellCode cell : cells) {  // the cells of level 1 have one block, as the root has
+    EXPECT_EQ(owners.owner(cell.parent().parent(), 1), owners.owner(CellCode{0}, 1));
+    EXPECT_EQ(owners.owner(CellCode{0}, 0), owners.owner(CellCode{0}, 1));
+  }
+  EXPECT_EQ(CellOwners(0, {}, 3).owner(CellCode{0}, 0), 2);  // no sample
+}
+
+TEST(ParseGenerator, ReadsShapeCountAndSeed) {
+  const GenerateConfig config = parse_generator("terrain:4e6:7");
+  EXPECT_EQ(config.shape, Shape::terrain);
+  EXPECT_EQ(config.triangles, 4'000'000u);
+  EXPECT_EQ(config.seed, 7u);
+  EXPECT_EQ(parse_generator("sphere:1000").seed, GenerateConfig{}.seed);
+  for (const char* text : {"", "sphere", "sphere:", "sphere:x", "sphere:10:", "sphere:10:1:2", "sphere:1.5"})
+    expect_error_of<InputError>([&] { (void)parse_generator(text); }, {"SHAPE:TRIANGLES:SEED"});
+  expect_error_of<InputError>([&] { (void)parse_generator("cone:100"); }, {"cone"});
+}
+
+}  // namespace
+}  // namespace lodestone

@@ -1,0 +1,138 @@
+// Messages between ranks: what arrives, in which order, and what happens when they do not.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+
+#include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/slices.h"
+#include "tests/expect_error.h"
+
+namespace lodestone {
+namespace {
+
+const LocalRanksConfig impatient{.timeout_seconds = 0.2};
+
+TEST(Ranks, ExchangeMessagesOfAnySize) {
+  for (const int count : {1, 2, 3, 8})
+    run_local_ranks(count, [&](Transport& transport) {
+      Ranks ranks(transport);
+      ByRank<std::uint32_t> out = by_rank<std::uint32_t>(ranks);
+      for (int to = 0; to < count; ++to)
+        out[static_cast<std::size_t>(to)].assign(static_cast<std::size_t>(ranks.rank() * to), std::uint32_t(to));
+      const ByRank<std::uint32_t> in = ranks.exchange(out);
+      for (int from = 0; from < count; ++from)
+        EXPECT_EQ(
+            in[static_cast<std::size_t>(from)],
+            std::vector<std::uint32_t>(static_cast<std::size_t>(from * ranks.rank()), std::uint32_t(ranks.rank())));
+      EXPECT_EQ(ranks.sum(std::uint64_t(ranks.rank())), std::uint64_t(count * (count - 1) / 2));
+      EXPECT_EQ(ranks.maximum(7 + std::uint64_t(ranks.rank())), std::uint64_t(6 + count));
+      EXPECT_EQ(ranks.traffic().rounds, 3u);
+      EXPECT_EQ(ranks.traffic().bytes_sent == 0, count == 1);
+    });
+}
+
+TEST(Ranks, ExchangeInPiecesKeepsTheOrderOfEachRank) {
+  constexpr std::uint64_t items = 300'000;
+  run_local_ranks(3, [&](Transport& transport) {
+    Ranks ranks(transport);
+    ByRank<std::uint64_t> came = by_rank<std::uint64_t>(ranks);
+    // Ranks have different numbers of items.
+    exchange_in_pieces<std::uint64_t>(
+        ranks, items * static_cast<std::uint64_t>(ranks.rank()),
+        [&](std::uint64_t i, const auto& emit) { emit(static_cast<int>(i % 3), i); },
+        [&](int from, const std::vector<std::uint64_t>& some) {
+          auto& all = came[static_cast<std::size_t>(from)];
+          all.insert(all.end(), some.begin(), some.end());
+        });
+    for (std::uint64_t from = 0; from < 3; ++from) {
+      ASSERT_EQ(came[from].size(), items * from / 3);
+      for (std::size_t i = 0; i < came[from].size(); ++i)
+        ASSERT_EQ(came[from][i], 3 * i + static_cast<std::uint64_t>(ranks.rank()));
+    }
+  });
+}
+
+TEST(Question, IsAnsweredByTheOwner) {
+  run_local_ranks(4, [&](Transport& transport) {
+    Ranks ranks(transport);
+    const Slices slices(1003, 4);
+    EXPECT_EQ(slices.total(), 1003u);
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t i = 0; i < 1003; i += 7 + static_cast<std::uint32_t>(ranks.rank())) numbers.push_back(1002 - i);
+    const auto squares = Question(ranks, slices, numbers).answer<std::uint64_t>([&](std::uint32_t local) {
+      const std::uint64_t number = slices.begin(ranks.rank()) + local;
+      return number * number;
+    });
+    ASSERT_EQ(squares.size(), numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(squares[i], std::uint64_t{numbers[i]} * numbers[i]);
+  });
+}
+
+TEST(RankFailure, ReachesAllRanksAsTheErrorThatItWas) {
+  std::atomic<int> told{0};
+  const auto body = [&](Transport& transport) {
+    Ranks ranks(transport);
+    if (transport.rank() == 2) throw FileError("x.lode: cannot write: No space left on device");
+    try {
+      (void)ranks.sum(1);
+    } catch (const FileError& error) {
+      EXPECT_STREQ(error.what(), "rank 2 on this process: x.lode: cannot write: No space left on device");
+      ++told;
+      throw;
+    }
+  };
+  expect_error_of<FileError>([&] { run_local_ranks(4, body); }, {"rank 2 on this process", "No space left"});
+  EXPECT_EQ(told, 3);
+}
+
+TEST(RankFailure, KeepsItsKindInAMessage) {
+  const auto travelled = [](const std::exception& error) {
+    return RankFailure::decode(RankFailure::of(5, "node7", error).encode()).error();
+  };
+  EXPECT_THROW(std::rethrow_exception(travelled(InputError("a"))), InputError);
+  EXPECT_THROW(std::rethrow_exception(travelled(UnsupportedError("a"))), UnsupportedError);
+  expect_error_of<ResourceError>([&] { std::rethrow_exception(travelled(std::bad_alloc())); },
+                                 {"rank 5 on node7", "out of memory"});
+  expect_error_of<Error>([&] { std::rethrow_exception(travelled(std::logic_error("b"))); }, {"rank 5 on node7: b"});
+  EXPECT_THROW(std::rethrow_exception(RankFailure::decode(Message(3)).error()), Error);
+}
+
+TEST(Transport, GivesUpAfterTheTimeOut) {
+  const auto body = [](Transport& transport) {
+    Ranks ranks(transport);
+    if (transport.rank() != 1) (void)ranks.sum(1);
+  };
+  expect_error_of<ResourceError>([&] { run_local_ranks(2, body, impatient); }, {"rank 0", "no message of rank 1"});
+}
+
+// Alters, loses or repeats one message from rank 1 to rank 0.
+void run_with_fault(const std::function<bool(Message&)>& fault) {
+  std::atomic<int> sent{0};
+  LocalRanksConfig config = impatient;
+  config.on_send = [&](int from, int to, Message& message) {
+    return from != 1 || to != 0 || ++sent != 2 || fault(message);
+  };
+  run_local_ranks(
+      3,
+      [](Transport& transport) {
+        Ranks ranks(transport);
+        for (std::uint64_t i = 0; i < 4; ++i) (void)ranks.sum(i);
+      },
+      config);
+}
+
+TEST(Ranks, RefuseMessagesOfWrongSizeOrOrder) {
+  expect_error_of<Error>([] { run_with_fault([](Message& m) { return m.resize(3), true; }); },
+                         {"damaged or out of order"});
+  expect_error_of<Error>([] { run_with_fault([](Message& m) { return m.resize(m.size() - 1), true; }); },
+                         {"rank 0", "message of rank 1", "damaged or out of order"});
+  expect_error_of<Error>([] { run_with_fault([](Message& m) { return m.resize(m.size() + 8), true; }); }, {"damaged"});
+  // A lost one is noticed by the next.
+  expect_error_of<Error>([] { run_with_fault([](Message&) { return false; }); }, {"message of rank 1"});
+}
+
+}  // namespace
+}  // namespace lodestone
