@@ -289,11 +289,11 @@ class BlockBuilder {
     child.max_displacement = float_above(std::sqrt(farthest2));
     if (search_) distance = search_distance(result, child, first_vertex);
     distance = std::min(distance, child.max_displacement);
-    parent.error = std::max(parent.error, float_up(double{child.error} + distance));
     carry_errors(result, child, distance, first_vertex, parent);
   }
 
-  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface.
+  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface. Its own is
+  // the largest of them: where a child is worst, and where its vertices go farthest, are seldom the same place.
   void carry_errors(const SimplifyResult& result, const CellBuild& child, float most, std::size_t first_vertex,
                     CellBuild& parent) {
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
@@ -302,6 +302,7 @@ class BlockBuilder {
       const float distance = result.distance.empty() ? most : std::min(result.distance[v], most);
       float& error = parent.vertex_errors[child.slab.parents[i]];
       error = std::max(error, float_up(double{below} + distance));
+      parent.error = std::max(parent.error, error);
     }
   }
 
