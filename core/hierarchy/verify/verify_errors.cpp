@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -75,7 +76,8 @@ VertexErrors check_estimated(const Hierarchy& hierarchy, int coarse, const Verte
               &finer = hierarchy.levels[static_cast<std::size_t>(coarse) + 1];
   VertexErrors made;
   for (const Cell& cell : hierarchy.cells_of(coarse)) made.emplace_back(cell.positions.size(), 0.0);
-  const TriangleBvh surface = surface_of(hierarchy, coarse, false);
+  std::optional<TriangleBvh> surface;
+  if (level.triangles > 0) surface.emplace(surface_of(hierarchy, coarse, false));
   const std::size_t stride = 1 + finer.vertices / vertices_measured;
   std::uint32_t hint = TriangleBvh::no_hint;
   std::size_t number = 0;
@@ -87,8 +89,8 @@ VertexErrors check_estimated(const Hierarchy& hierarchy, int coarse, const Verte
         double needed = below[finer.rank_of(k)][v];
         const std::uint32_t parent = child.parents[v];
         // Vertices that do not move need no measurement.
-        if (number++ % stride == 0 && level.triangles > 0 && child.positions[v] != cell.positions[parent]) {
-          const TriangleBvh::Nearest nearest = surface.nearest(to_double(child.positions[v]), hint);
+        if (number++ % stride == 0 && surface && child.positions[v] != cell.positions[parent]) {
+          const TriangleBvh::Nearest nearest = surface->nearest(to_double(child.positions[v]), hint);
           hint = nearest.slot;
           // The image of an island that has collapsed is a point or a line: it counts, although it is not drawn.
           const double moved2 = squared_length(to_double(child.positions[v]) - to_double(cell.positions[parent]));
