@@ -253,12 +253,18 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, La
   check_config(config);
   if (config.merge == MergeKind::shell) return draw_even_maps(mesh, config, report, scheduler);
   const CpuClock choose_clock;
-  scheduler.name_work("choose views");
-  const auto [census, handles] = survey(mesh);
   DrawnMaps drawn;
+  Survey surveyed;
+  scheduler.name_work("survey");
+  scheduler.for_chunks(2, 1, [&](ChunkRange range) {
+    if (range.index == 0)
+      surveyed = survey(mesh);
+    else if (config.separate_parts)
+      drawn.parts = label_parts(mesh);
+  });
+  const auto& [census, handles] = surveyed;
   drawn.closed = census.border == 0;
   drawn.oriented = census.inconsistent == 0;
-  if (config.separate_parts) drawn.parts = label_parts(mesh);
   drawn.most_handles = handles.value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
@@ -270,6 +276,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, La
     drawn.border = border_points(mesh, border, 0.5 * drawn.spacing);
   }
   report.map_spacing = drawn.spacing;
+  scheduler.name_work("choose views");
   if (config.views.prescribes_faces())
     report.views.directions = face_directions();
   else

@@ -172,7 +172,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     const double measured = median_of(c.times().wall), predicted = rows.back()["predicted"].get<double>();
     rows.back()["measured"] = measured, rows.back()["error"] = 100 * std::abs(predicted / measured - 1);
   }
-  for (int n = 1; n <= parameters.integer("virtual_workers"); n *= 2)
+  for (int n = 1; n <= parameters.integer("virtual_workers"); n *= 4)
     if (n > all->workers()) rows.push_back(row_of(n, evidence));
   const int at_80 = workers_at(0.8, evidence, parameters.integer("virtual_workers"));
   for (Row& row : rows) {
