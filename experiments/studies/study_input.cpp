@@ -30,7 +30,7 @@ ParameterInfo threads_parameter() {
 std::vector<ParameterInfo> build_parameters() {
   const BuildConfig config;
   return {
-      {"sigma0", 0.2, "", "displacement bound: |v - P(v)| <= sigma0 h / 2", 1e-4, 2, {}},
+      {"sigma0", 0.4, "", "displacement bound: |v - P(v)| <= sigma0 h / 2", 1e-4, 2, {}},
       {"cell_triangles", config.cell_triangles, "", "mean triangles per finest cell that L is chosen for", 1, 1e9, {}},
       {"finest_level", -1, "", "L; -1: from cell_triangles", -1, max_level, {}},
       {"simplifier", "quadric", "", "what collapses", 0, 0, simplifier_names()},

@@ -28,7 +28,7 @@ inline constexpr std::uint64_t min_refine_limit = 100'000;  // triangles
 struct BuildConfig {
   // Displacement bound: d(v, P(v)) <= sigma0 h_l / 2. Dimensionless, in (0, 2]. The default leaves the simplifier about
   // four mean edges at the default cell size.
-  float sigma0 = 0.2f;
+  float sigma0 = 0.4f;
   std::uint32_t cell_triangles = 1200;      // mean triangles per occupied finest cell that L is chosen for; at least 1
   int finest_level = -1;                    // L; -1: from cell_triangles; at most max_level
   std::string simplifier = "quadric";       // its name (core/simplify/simplifiers.h)

@@ -42,7 +42,7 @@ regular grid is taken; seed: of the displacement. Returns a Mesh, the same on ev
 another shape or a number out of range.)";
 
 inline constexpr const char* build =
-    R"(build(mesh, *, sigma0=0.2, cell_triangles=1200, finest_level=-1, simplifier='quadric', placement=None,
+    R"(build(mesh, *, sigma0=0.4, cell_triangles=1200, finest_level=-1, simplifier='quadric', placement=None,
     strategy='graph', refine=False, refine_limit=10.0, measure_errors=False, texture_levels=False, compress=False,
     lattice_bits=0, threads=0, progress=None)
 

@@ -68,7 +68,7 @@ class Build(CommandCase):
         result = self.results("build", sphere(), "-o", "m.lode", "--levels", 3)
         self.assertEqual(result["input_triangles"], ply_counts(sphere())[1])
         self.assertEqual(result["levels"], 4)
-        self.assertAlmostEqual(result["sigma0"], 0.2)
+        self.assertAlmostEqual(result["sigma0"], 0.4)
         self.assertGreater(result["stored_triangles"], result["input_triangles"])
         self.assertGreater(result["stored_vertices"], 0)
         table = result["level_table"]

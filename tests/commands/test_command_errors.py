@@ -47,7 +47,7 @@ class SplitEdges(CommandCase):
         plain = self.results("build", "box.obj", "-o", "plain.lode", "--levels", 3)
         self.assertGreater(plain["long_edges"], 0)
         self.assertIn("--refine splits them", self.lodestone("build", "box.obj", "-o", "plain.lode", "--levels", 3))
-        result = self.results("build", "box.obj", "-o", "m.lode", "--levels", 3, "--refine")
+        result = self.results("build", "box.obj", "-o", "m.lode", "--levels", 3, "--refine", "--sigma0", 0.2)
         self.assertEqual(result["long_edges"], 0)
         self.assertEqual(result["refined"]["triangles_before"], 12)
         self.assertEqual(result["refined"]["split_triangles"], 12)

@@ -67,6 +67,7 @@ class BlockBuilder {
   void split(const SimplifyResult& result) {
     search_ = result.distance.empty() || is_doubtful(result.distance);
     if (search_) index_images(result);
+    if (result.distance.empty()) s_.searched.resize(s_.positions.size());
     gather_members(result);
     if (attributes_.wedges) join_uses();
     begin_normals();
@@ -289,19 +290,20 @@ class BlockBuilder {
     child.max_displacement = float_above(std::sqrt(farthest2));
     if (search_) distance = search_distance(result, child, first_vertex);
     distance = std::min(distance, child.max_displacement);
-    parent.error = std::max(parent.error, float_up(double{child.error} + distance));
     carry_errors(result, child, distance, first_vertex, parent);
   }
 
-  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface.
+  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface. Its own is
+  // the largest of them: where a child is worst, and where its vertices go farthest, are seldom the same place.
   void carry_errors(const SimplifyResult& result, const CellBuild& child, float most, std::size_t first_vertex,
                     CellBuild& parent) {
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
       const std::uint32_t v = s_.block_id[first_vertex + i];
       const float below = child.vertex_errors.empty() ? child.error : child.vertex_errors[i];
-      const float distance = result.distance.empty() ? most : std::min(result.distance[v], most);
+      const float distance = std::min((result.distance.empty() ? s_.searched : result.distance)[v], most);
       float& error = parent.vertex_errors[child.slab.parents[i]];
       error = std::max(error, float_up(double{below} + distance));
+      parent.error = std::max(parent.error, error);
     }
   }
 
@@ -319,7 +321,7 @@ class BlockBuilder {
   }
 
   // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
-  // and the largest distance, the figure that matters, remains exact.
+  // and the largest distance, the figure that matters, remains exact. All are where the simplifier has measured none.
   float search_distance(const SimplifyResult& result, const CellBuild& child, std::size_t first_vertex) {
     double squared = 0.5625 * off_surface2_;
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
@@ -328,7 +330,13 @@ class BlockBuilder {
       const Vec3d moved = to_double(result.positions[p]) - to_double(from);
       double bound = dot(moved, moved);
       if (!result.distance.empty()) bound = std::min(bound, square(result.distance[v]));
-      if (bound > squared) squared = s_.surface.farther(squared, from, VertexId(p));
+      if (result.distance.empty()) {
+        const double own = bound > 0 ? std::min(bound, s_.surface.farther(0, from, VertexId(p))) : 0;
+        s_.searched[v] = float_above(std::sqrt(own));
+        squared = std::max(squared, own);
+      } else if (bound > squared) {
+        squared = s_.surface.farther(squared, from, VertexId(p));
+      }
     }
     off_surface2_ = std::max(off_surface2_, squared);
     return float_above(std::sqrt(squared));

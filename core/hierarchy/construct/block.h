@@ -49,6 +49,7 @@ struct BlockScratch {
   // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images
+  std::vector<float> searched;   // by vertex: its distance from them
 };
 
 struct BlockInput {

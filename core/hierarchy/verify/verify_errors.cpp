@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -57,14 +58,27 @@ double error_around(const Hierarchy& hierarchy, CellId cell, std::uint32_t verte
   return at == 0 ? in.error : hierarchy.signatures->error(hierarchy.signatures->of(cell)[at]);
 }
 
-// Estimated errors: that of a cell bounds those of its children plus the distances of their vertices from the coarser
-// surface; that of a signature bounds the distances of the vertices that its own stand for.
-void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
-  const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse)];
-  if (level.triangles == 0) return;
-  const TriangleBvh surface = surface_of(hierarchy, coarse, false);
-  const std::uint64_t fine_vertices = hierarchy.levels[static_cast<std::size_t>(coarse) + 1].vertices;
-  const std::size_t stride = 1 + fine_vertices / vertices_measured;
+// Least errors of the vertices of a level's cells, by rank. A vertex has the largest sum, of those that it stands for,
+// of their own error and their distance from the coarser surface.
+using VertexErrors = std::vector<std::vector<double>>;
+
+VertexErrors finest_errors(const Hierarchy& hierarchy) {
+  VertexErrors errors;
+  for (const Cell& cell : hierarchy.cells_of(hierarchy.finest()))
+    errors.emplace_back(cell.positions.size(), double{cell.error});
+  return errors;
+}
+
+// Estimated errors: that of a cell bounds those of its vertices, and that of a signature those of its own. From the
+// vertices of the finer level to those of the coarse one.
+VertexErrors check_estimated(const Hierarchy& hierarchy, int coarse, const VertexErrors& below, Finding& errors) {
+  const Level &level = hierarchy.levels[static_cast<std::size_t>(coarse)],
+              &finer = hierarchy.levels[static_cast<std::size_t>(coarse) + 1];
+  VertexErrors made;
+  for (const Cell& cell : hierarchy.cells_of(coarse)) made.emplace_back(cell.positions.size(), 0.0);
+  std::optional<TriangleBvh> surface;
+  if (level.triangles > 0) surface.emplace(surface_of(hierarchy, coarse, false));
+  const std::size_t stride = 1 + finer.vertices / vertices_measured;
   std::uint32_t hint = TriangleBvh::no_hint;
   std::size_t number = 0;
   for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
@@ -72,26 +86,31 @@ void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
     for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
       const Cell& child = hierarchy.cells[k];
       for (VertexId v{0}; v < child.positions.size(); ++v) {
-        // Vertices that do not move need no check.
-        if (number++ % stride != 0 || child.positions[v] == cell.positions[child.parents[v]]) continue;
-        const TriangleBvh::Nearest nearest = surface.nearest(to_double(child.positions[v]), hint);
-        hint = nearest.slot;
-        // The image of an island that has collapsed is a point or a line: it counts, although it is not drawn.
-        const double moved2 =
-            squared_length(to_double(child.positions[v]) - to_double(cell.positions[child.parents[v]]));
-        const double needed = double{child.error} + std::sqrt(std::min(nearest.squared_distance, moved2));
+        double needed = below[finer.rank_of(k)][v];
+        const std::uint32_t parent = child.parents[v];
+        // Vertices that do not move need no measurement.
+        if (number++ % stride == 0 && surface && child.positions[v] != cell.positions[parent]) {
+          const TriangleBvh::Nearest nearest = surface->nearest(to_double(child.positions[v]), hint);
+          hint = nearest.slot;
+          // The image of an island that has collapsed is a point or a line: it counts, although it is not drawn.
+          const double moved2 = squared_length(to_double(child.positions[v]) - to_double(cell.positions[parent]));
+          needed += std::sqrt(std::min(nearest.squared_distance, moved2));
+        }
+        double& error = made[level.rank_of(c)][parent];
+        error = std::max(error, needed);
         errors.require(cell.error * (1 + relative_slack) + absolute_slack >= needed, [&] {
           return place(coarse + 1, k, v) + ": " + std::to_string(needed) +
                  " from M_L, but the parent cell's error is " + std::to_string(cell.error);
         });
-        const double around = error_around(hierarchy, c, child.parents[v]), from = needed - child.error;
-        errors.require(around * (1 + relative_slack) + absolute_slack >= from, [&] {
-          return place(coarse + 1, k, v) + ": " + std::to_string(from) +
+        const double around = error_around(hierarchy, c, parent);
+        errors.require(around * (1 + relative_slack) + absolute_slack >= needed, [&] {
+          return place(coarse + 1, k, v) + ": " + std::to_string(needed) +
                  " from M_L, but the error of its parent's signature is " + std::to_string(around);
         });
       }
     }
   }
+  return made;
 }
 
 // Points of a triangle at which distances are compared.
@@ -204,6 +223,7 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
   const bool measured = hierarchy.provenance.measured_errors;
   DistanceSamples samples(hierarchy, measured ? vertices_measured : points_compared);
   std::vector<double> ratio(hierarchy.levels.size());
+  VertexErrors of_vertices = measured ? VertexErrors{} : finest_errors(hierarchy);
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     double largest = 0;
@@ -218,7 +238,7 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
     check_bound(errors, "error", l, level.error, largest / cell_size(l));
     if (hierarchy.signatures) check_signature_errors(hierarchy, l, errors);
     if (l == hierarchy.finest()) continue;
-    if (!measured) check_estimated(hierarchy, l, errors);
+    if (!measured) of_vertices = check_estimated(hierarchy, l, of_vertices, errors);
     double farthest = 0;
     samples.sample(l, [&](CellId cell, double distance) {
       farthest = std::max(farthest, distance);
