@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/base/id.h"
-#include "core/math/triangle.h"
 
 namespace lodestone {
 
