@@ -9,6 +9,7 @@
 #include "core/files/temporaries.h"
 #include "core/files/text_file.h"
 #include "core/mesh/up_axis.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/read_map.h"
 
 namespace lodestone {

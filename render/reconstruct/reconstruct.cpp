@@ -10,6 +10,7 @@
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/position_map/map_files.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/position_map.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/lost_parts.h"

@@ -5,6 +5,7 @@
 
 #include "experiments/metrics/cracks/adversary.h"
 #include "experiments/metrics/drawn/screen.h"
+#include "render/camera/view.h"
 #include "tests/experiments/metrics/crack_subject.h"
 
 namespace lodestone {
