@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/id.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 
