@@ -14,7 +14,7 @@ namespace {
 Json arguments_of(const TraceEvent& event) {
   Json arguments{{"index", event.index}, {"cpu_us", event.cpu_seconds * 1e6}};
   if (!event.place.empty()) arguments["place"] = event.place;
-  if (event.graph > 0) arguments["after"] = event.after;
+  if (event.in_graph) arguments["after"] = event.after;
   return arguments;
 }
 
@@ -22,11 +22,11 @@ Json arguments_of(const TraceEvent& event) {
 void add_arrows(const std::vector<TraceEvent>& events, Json& list) {
   std::map<std::pair<std::uint32_t, std::uint64_t>, const TraceEvent*> tasks;
   for (const TraceEvent& e : events)
-    if (e.graph > 0) tasks[{e.graph, e.index}] = &e;
+    if (e.in_graph) tasks[{e.call, e.index}] = &e;
   std::uint64_t arrows = 0;
   for (const auto& [task, e] : tasks)
     for (const std::uint32_t before : e->after) {
-      const auto from = tasks.find({e->graph, before});
+      const auto from = tasks.find({e->call, before});
       if (from == tasks.end()) continue;  // its run ended in an error
       Json arrow{{"name", "needs"}, {"cat", "graph"}, {"pid", 1}, {"id", ++arrows}};
       arrow.update({{"ph", "s"}, {"tid", from->second->worker}, {"ts", from->second->end * 1e6}});

@@ -16,6 +16,7 @@ namespace {
 
 struct SweepOptions {
   std::string file, directory, shard;
+  std::vector<std::string> only;
   int jobs = 1;
   bool resume = false, prepare = false, dry_run = false, small = false, full = false, leave_out_missing = false;
 };
@@ -148,7 +149,8 @@ Json summary(const SweepFile& file, const std::vector<SweepRun>& runs, const Run
 void run(const SweepOptions& options, const CommonOptions& common) {
   check_files(common, {{"FILE", options.file}});
   const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
-  const SweepFile file = load_sweep_file(options.file, form_of(options));
+  SweepFile file = load_sweep_file(options.file, form_of(options));
+  if (!options.only.empty()) keep_sweeps(file, options.only);
   check_directory(options.directory, file.name, options.resume || options.dry_run);
   if (options.dry_run) return dry_run(file, options, common);
   set_interrupt_line("lodestone: interrupted; finished runs were kept, --resume continues\n");
@@ -185,6 +187,7 @@ OptionTable declare(SweepOptions& o) {
       OptionSpec{"--jobs", &o.jobs,
                  "Number of runs at a time, as far as there are processors for them; times are comparable with 1 only"}
           .between(1, 1024),
+      {"--only", &o.only, "Run this sweep of the file alone; may be repeated"},
       {"--shard", &o.shard, "Part i of n of the runs, as 2/8"},
       {"--resume", &o.resume, "Run what is missing, has changed, or ended without rows"},
       {"--dry-run", &o.dry_run, "Print the runs and how many of their repetitions are done; change nothing"},
@@ -204,7 +207,8 @@ void add_sweep(CommandTable& commands) {
       {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
        "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
        "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
-       "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n",
+       "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n"
+       "  lodestone sweep experiments/studies/standard/scaling.toml -o scaling --only schedule\n",
        "Threads that make data; those of a run are a parameter of its experiment"},
       declare, run);
   const auto child = std::make_shared<ChildOptions>();

@@ -15,8 +15,8 @@ Registry<Experiment>& experiments() {
     Registry<Experiment> ours("experiment");
     for (const auto& make :
          {build_experiment, effects_experiment, families_experiment, flight_experiment, probe_experiment,
-          progressive_experiment, raster_experiment, reconstruct_experiment, scaling_experiment, shells_experiment,
-          spherical_experiment, systems_experiment, table_experiment}) {
+          progressive_experiment, raster_experiment, reconstruct_experiment, scaling_experiment, schedule_experiment,
+          shells_experiment, spherical_experiment, systems_experiment, table_experiment}) {
       Experiment experiment = make();
       const std::string name = experiment.name;
       ours.add(name, std::move(experiment));

@@ -112,6 +112,7 @@ struct Experiment {
 [[nodiscard]] Experiment raster_experiment();
 [[nodiscard]] Experiment reconstruct_experiment();
 [[nodiscard]] Experiment scaling_experiment();
+[[nodiscard]] Experiment schedule_experiment();
 [[nodiscard]] Experiment shells_experiment();
 [[nodiscard]] Experiment systems_experiment();
 [[nodiscard]] Experiment table_experiment();

@@ -238,4 +238,15 @@ SweepFile load_sweep_file(const std::string& path, SweepForm form, const Experim
   return file;
 }
 
+void keep_sweeps(SweepFile& file, const std::vector<std::string>& names) {
+  std::vector<std::string> known;
+  for (const SweepSection& section : file.sweeps) known.push_back(section.name);
+  for (const std::string& name : names)
+    if (std::ranges::find(known, name) == known.end())
+      throw InputError(file.file + ": no sweep '" + name + "'; " + known_names(name, known));
+  const auto kept = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
+  std::erase_if(file.sweeps, [&](const SweepSection& section) { return !kept(section.name); });
+  std::erase_if(file.figures, [&](const FigureSpec& figure) { return !std::ranges::all_of(figure.sweep, kept); });
+}
+
 }  // namespace lodestone

@@ -67,4 +67,7 @@ using ExperimentLookup = std::function<const Experiment&(const std::string&)>;
 [[nodiscard]] SweepFile load_sweep_file(const std::string& file, SweepForm form,
                                         const ExperimentLookup& lookup = find_experiment);
 
+// Leaves out the other sweeps, with the figures that need them. Throws InputError for a name that no sweep has.
+void keep_sweeps(SweepFile& file, const std::vector<std::string>& names);
+
 }  // namespace lodestone

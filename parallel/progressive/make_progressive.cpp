@@ -21,6 +21,7 @@ constexpr std::size_t assembly_grain = 4096;
 
 ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                       ProgressiveReport& report) {
+  scheduler.name_work("collapse");
   RegionCollapse collapse(mesh, config, scheduler);
   collapse.run();
   progressive::RingMesh& rings = collapse.rings();
@@ -29,6 +30,7 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
             .input_triangles = mesh.triangles.size(),
             .base_triangles = collapse.triangles_left(),
             .rounds = collapse.rounds()};
+  scheduler.name_work("assemble");
   ProgressiveMesh room;
   resize_in_parallel(room.positions, rings.vertex_count(), scheduler);
   resize_in_parallel(room.parents, rings.vertex_count(), scheduler);

@@ -44,6 +44,19 @@ void bind_others(const std::vector<int>& processors) {
   }
 }
 
+// The memory that a processor is next to; 0 where the system does not say.
+int node_of_processor(int processor) {
+  const std::filesystem::path folder = "/sys/devices/system/cpu/cpu" + std::to_string(processor);
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("node")) continue;
+    int node = 0;
+    if (std::from_chars(name.data() + 4, name.data() + name.size(), node).ec == std::errc{}) return node;
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::vector<int> allowed_processors() {
@@ -76,6 +89,29 @@ std::vector<int> one_per_core_first(const std::vector<int>& processors,
   std::vector<int> order;
   for (const auto& [turn, processor] : by_turn) order.push_back(processor);
   return order;
+}
+
+std::vector<int> core_by_core(const std::vector<int>& processors, const std::function<std::string(int)>& core_of) {
+  std::map<std::string, std::size_t> first;  // place of the first processor of each core
+  std::vector<std::pair<std::size_t, int>> by_core;
+  for (std::size_t i = 0; i < processors.size(); ++i)
+    by_core.emplace_back(first.try_emplace(core_of(processors[i]), i).first->second, processors[i]);
+  std::ranges::stable_sort(by_core, {}, &std::pair<std::size_t, int>::first);
+  std::vector<int> order;
+  for (const auto& [place, processor] : by_core) order.push_back(processor);
+  return order;
+}
+
+std::size_t count_cores(const std::vector<int>& processors) {
+  std::set<std::string> cores;
+  for (const int processor : processors) cores.insert(core_of_processor(processor));
+  return cores.size();
+}
+
+std::size_t count_nodes(const std::vector<int>& processors) {
+  std::set<int> nodes;
+  for (const int processor : processors) nodes.insert(node_of_processor(processor));
+  return nodes.size();
 }
 
 BoundThreads::BoundThreads(const std::vector<int>& processors) : before_(allowed_processors()) {

@@ -1,6 +1,7 @@
 // Binding of threads to processors. Linux only.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,6 +20,14 @@ void pin_to(const std::vector<int>& processors);
 // each in the given order. As many workers as there are cores then share none.
 [[nodiscard]] std::vector<int> one_per_core_first(const std::vector<int>& processors,
                                                   const std::function<std::string(int)>& core_of = core_of_processor);
+
+// Likewise those that share a core side by side: as many workers as there are hardware threads in a core share it.
+[[nodiscard]] std::vector<int> core_by_core(const std::vector<int>& processors,
+                                            const std::function<std::string(int)>& core_of = core_of_processor);
+// Different cores among the processors, and memories (NUMA nodes) that they are next to; one where the system does not
+// say.
+[[nodiscard]] std::size_t count_cores(const std::vector<int>& processors);
+[[nodiscard]] std::size_t count_nodes(const std::vector<int>& processors);
 
 // Binds all threads of the process to some processors, idle ones of a scheduler included, as long as it lives; then to
 // those that the calling thread was allowed before. The calling thread begins on the first of them, which the others

@@ -1,6 +1,7 @@
 #include "parallel/scheduler/trace.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <utility>
 
@@ -17,22 +18,23 @@ class TracingScheduler final : public Scheduler {
   void name_work(std::string_view name) override { name_ = name; }
 
   void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) override {
-    inner_->for_chunks(count, grain, [&](ChunkRange range) {
-      TraceEvent event{name_, range.index, worker_index()};
+    const std::uint32_t call = ++calls_;
+    inner_->for_chunks(count, grain, [&, call](ChunkRange range) {
+      TraceEvent event{.name = name_, .index = range.index, .worker = worker_index(), .call = call};
       time(event, [&] { body(range); });
     });
   }
 
   void run_graph(const TaskGraph& graph, const std::function<void(std::uint32_t)>& body,
                  const CancelFlag* cancel) override {
-    ++graphs_;
+    const std::uint32_t call = ++calls_;
     std::vector<std::vector<std::uint32_t>> after(graph.task_count);
     for (const auto& [before, task] : graph.edges) after[task].push_back(before);
     inner_->run_graph(
         graph,
         [&](std::uint32_t task) {
-          TraceEvent event{graph.label ? graph.label(task) : name_, task, worker_index()};
-          event.graph = graphs_, event.after = std::move(after[task]);
+          TraceEvent event{.name = graph.label ? graph.label(task) : name_, .index = task, .worker = worker_index()};
+          event.call = call, event.in_graph = true, event.after = std::move(after[task]);
           std::ranges::sort(event.after);
           if (graph.place) event.place = graph.place(task);
           time(event, [&] { body(task); });
@@ -54,7 +56,7 @@ class TracingScheduler final : public Scheduler {
   std::unique_ptr<Scheduler> inner_;
   std::shared_ptr<Trace> trace_;
   std::string name_;
-  std::uint32_t graphs_ = 0;
+  std::atomic<std::uint32_t> calls_ = 0;  // bodies make calls, too
 };
 
 // Seconds covered by at least one of a worker's events, which are ordered by their ends: inner ones before outer ones.
@@ -83,11 +85,11 @@ std::vector<TraceEvent> Trace::events() const {
   return all;
 }
 
-TraceSummary summarize(const Trace& trace, double from) {
+TraceSummary summarize(const Trace& trace, double from, double until) {
   std::vector<std::vector<TraceEvent>> by_worker(static_cast<std::size_t>(trace.workers()));
   double first = std::numeric_limits<double>::max(), last = from;
   for (TraceEvent& e : trace.events()) {
-    if (e.begin < from) continue;
+    if (e.begin < from || e.begin >= until) continue;
     first = std::min(first, e.begin);
     last = std::max(last, e.end);
     by_worker[static_cast<std::size_t>(e.worker)].push_back(std::move(e));

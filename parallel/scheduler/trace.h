@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct TraceEvent {
   int worker = 0;
   double begin = 0, end = 0;  // seconds since the trace began
   double cpu_seconds = 0;     // of the worker's thread in between
+  std::uint32_t call = 0;     // of the scheduler, that it is part of: 1 for the first that began, and so on
   // For tasks of a graph only:
-  std::uint32_t graph = 0;             // 1 for those of the first graph that ran, and so on; 0: a chunk
+  bool in_graph = false;
   std::string place{};                 // what it worked on, as the graph says
   std::vector<std::uint32_t> after{};  // tasks of the graph that it had to wait for, ascending
 };
@@ -45,8 +47,9 @@ class Trace {
   std::vector<std::vector<TraceEvent>> by_worker_;
 };
 
-// Summarizes the events that begin at or after `from`. Nested events count once.
-[[nodiscard]] TraceSummary summarize(const Trace& trace, double from = 0);
+// Summarizes the events that begin in [from, until). Nested events count once.
+[[nodiscard]] TraceSummary summarize(const Trace& trace, double from = 0,
+                                     double until = std::numeric_limits<double>::infinity());
 
 // Behaves as `inner` does. Costs two looks at two clocks and one record for each chunk and task.
 [[nodiscard]] std::unique_ptr<Scheduler> make_tracing_scheduler(std::unique_ptr<Scheduler> inner,

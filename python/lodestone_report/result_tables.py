@@ -184,7 +184,14 @@ PAGES = [
         Table("Strategies of the build", ("strategies",),
               [DATA, CELL, ("strategy", "strategy"), ("workers", "workers"), SECONDS, ("speed-up", "speedup"),
                ("efficiency, %", "efficiency"), ("idle, s", "idle"), ("idle tail, s", "idle_tail"), ("same result", "same")]),
-    ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels."),
+        Table("Beyond the machine", ("schedule",),
+              [DATA, ("task", "task"), ("workers", "workers"), ("predicted, s", "predicted"), ("measured, s", "measured"),
+               ("error, %", "error"), ("speed-up", "speedup"), ("efficiency, %", "efficiency"),
+               ("ceiling of streaming work", "streaming_speedup"), ("parallelism", "parallelism"),
+               ("the span consists of", "critical"), ("workers are idle during", "limit")]),
+    ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels. Beyond the "
+       "machine, list scheduling replays what one worker did; what workers take from each other is measured by copies of the "
+       "job that run at once."),
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,

@@ -120,6 +120,8 @@ def page_text(results, page):
     if page.notes:
         lines += [page.notes, ""]
     for table in page.tables:
+        if results.tables.keys().isdisjoint(table.sweeps):
+            continue                                   # not swept: `scripts/results STUDY/SWEEP`
         lines += [f"## {table.title}", ""]
         if table.note:
             lines += [table.note, ""]

@@ -156,6 +156,7 @@ DrawnMaps draw_even_maps(const IndexedMesh& mesh, const ReconstructConfig& confi
   drawn.spacing = report.map_spacing = map_spacing(config);
   report.views.directions = even_directions(config.views.most);
   const CpuClock draw_clock;
+  scheduler.name_work("draw maps");
   const Box3f box = box_of(mesh);
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   const MapChannels channels{.uv = config.attributes, .colour = config.attributes};
@@ -180,15 +181,18 @@ MergedMesh merge_maps(DrawnMaps& drawn, double spacing, const ReconstructConfig&
                       Scheduler& scheduler) {
   if (config.merge == MergeKind::shell) {
     const CpuClock clock;
+    scheduler.name_work("make the shell");
     MergedMesh merged = make_shell(drawn.maps, report.spacing, report.shell, scheduler);
     report.merge = clock.elapsed();
     return merged;
   }
   const CpuClock connect_clock;
+  scheduler.name_work("connect");
   std::vector<MergeView> views = connect_maps(drawn, config, report, scheduler);
   report.connect = connect_clock.elapsed();
 
   const CpuClock merge_clock;
+  scheduler.name_work("merge");
   MergedMesh merged;
   if (config.merge == MergeKind::concatenate) {
     merged = concatenate(views, scheduler);
@@ -250,11 +254,18 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, La
   check_config(config);
   if (config.merge == MergeKind::shell) return draw_even_maps(mesh, config, report, scheduler);
   const CpuClock choose_clock;
-  const auto [census, handles] = survey(mesh);
   DrawnMaps drawn;
+  Survey surveyed;
+  scheduler.name_work("survey");
+  scheduler.for_chunks(2, 1, [&](ChunkRange range) {
+    if (range.index == 0)
+      surveyed = survey(mesh);
+    else if (config.separate_parts)
+      drawn.parts = label_parts(mesh);
+  });
+  const auto& [census, handles] = surveyed;
   drawn.closed = census.border == 0;
   drawn.oriented = census.inconsistent == 0;
-  if (config.separate_parts) drawn.parts = label_parts(mesh);
   drawn.most_handles = handles.value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
@@ -266,6 +277,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, La
     drawn.border = border_points(mesh, border, 0.5 * drawn.spacing);
   }
   report.map_spacing = drawn.spacing;
+  scheduler.name_work("choose views");
   if (config.views.prescribes_faces())
     report.views.directions = face_directions();
   else
@@ -273,12 +285,15 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, La
   report.choose = choose_clock.elapsed();
 
   const CpuClock draw_clock;
+  scheduler.name_work("draw maps");
   const Box3f box = box_of(mesh);
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   for (const Vec3d& direction : report.views.directions)
     draw_map(*renderer, view_towards(box, direction, drawn.spacing, config), config, drawn, scheduler);
   const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
+  scheduler.name_work("choose inside views");
   report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
+  scheduler.name_work("draw maps");
   for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
   report.draw = draw_clock.elapsed();
   return drawn;
@@ -293,12 +308,14 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
 
   const bool one_surface = config.merge != MergeKind::concatenate;
   const CpuClock sharpen_clock;
+  scheduler.name_work("sharpen");
   if (one_surface && config.sharp_degrees > 0) {
     const double of_samples = config.merge == MergeKind::shell ? report.spacing : spacing;
     report.sharpen = sharpen(merged, {static_cast<float>(of_samples), config.sharp_degrees}, scheduler);
   }
   report.sharpen_time = sharpen_clock.elapsed();
 
+  scheduler.name_work("take over lost parts");
   std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
   if (config.merge == MergeKind::stitch && config.lost_parts && mesh)
     report.lost = take_over_lost_parts(*mesh, spacing, merged, source, drawn.closed, scheduler);
@@ -313,6 +330,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
   report.sampled_triangles = merged.triangles.size();
   if (one_surface) {
     const CpuClock simplify_clock;
+    scheduler.name_work("simplify");
     simplify_merged(merged, raw.wedges, simplify_config(merged, spacing, config, report), scheduler);
     put_mesh(merged, drawn.maps.front().transform, raw);
     report.simplify = simplify_clock.elapsed();

@@ -139,6 +139,13 @@ class Runs(SweepCase):
         self.assertEqual(self.plan()["form"], "full")
         self.check_complete()
 
+    def test_only_some_sweeps(self):
+        text = HEAD + section("x = [1, 2]") + section("x = [2, 3, 4]", name="t") + section("x = 9", name="u")
+        self.assertEqual(self.sweep(text, "--only", "t")["runs"], 3)
+        self.assertEqual([sweep["name"] for sweep in self.plan()["sweeps"]], ["t"])
+        self.assertEqual(self.sweep(text, "--resume", "--only", "t", "--only", "u")["ran"], 1)
+        self.refused("sweep", "sweep.toml", "-o", "out", "--resume", "--only", "tt", names=["sweep.toml", "no sweep 'tt'", "t"])
+
     def test_two_sweeps_share_a_run(self):
         summary = self.sweep(HEAD + section("x = [1, 2]", "repetitions = 1") + section("x = [2, 3]", "repetitions = 2", "t"))
         self.assertEqual((summary["runs"], summary["repetitions"]), (3, 5))

@@ -148,6 +148,26 @@ class Pages(FolderCase):
                     self.assertRegex(section, r"\nCommit [0-9a-f]{7}.*; .*; \d{4}-\d\d-\d\d.*; `scripts/results", path.name)
 
 
+class Reproduce(unittest.TestCase):
+    def reproduce(self, *arguments):
+        return subprocess.run([sys.executable, ROOT / "scripts/reproduce", *arguments], capture_output=True, text=True)
+
+    def test_lists_every_table_and_figure(self):
+        listed = self.reproduce("--list").stdout
+        for page in result_tables.PAGES:
+            for table in page.tables:
+                names = " ".join(f"{page.study}/{sweep}" for sweep in table.sweeps)
+                self.assertIn(f"table   {table.title}: {names}\n", listed)
+            for title in re.findall(r'^\[\[figure\]\]\ntitle = "([^"]+)"', (ROOT / "experiments/studies/standard" /
+                                    f"{page.study}.toml").read_text(encoding="utf-8"), re.MULTILINE):
+                self.assertIn(f"figure  {title}: {page.study}/", listed)
+
+    def test_refuses_what_is_none_of_them(self):
+        refused = self.reproduce("--small", "scaling/nothing")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("'scaling/nothing'; scripts/reproduce --list", refused.stderr)
+
+
 class Runs(FolderCase):
     def setUp(self):
         super().setUp()
@@ -209,6 +229,14 @@ class Runs(FolderCase):
         arguments.unlink()
         self.assertEqual(self.run_to_end("--write-only", "effects")[0], 0)
         self.assertFalse(arguments.exists())
+
+    def test_a_part_of_a_study_is_handed_on(self):
+        self.assertEqual(self.run_to_end("scaling/schedule", "scaling/weak", "effects")[0], 0)
+        self.assertTrue((self.out / "scaling/arguments").read_text().endswith("--only schedule --only weak"))
+        self.assertNotIn("--only", (self.out / "effects/arguments").read_text())
+        process = subprocess.run([sys.executable, RESULTS, "--program", self.program, "scaling/schedule"], capture_output=True, text=True)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("give -o and --pages", process.stderr)
 
     def test_nothing_is_written_of_nothing(self):
         status, errors = self.run_to_end("--write-only")

@@ -83,6 +83,9 @@ const std::vector<Case> cases = {
       {"speedup", 7},
       {"efficiency", 1},
       {"seconds", Row()}}},
+    {"schedule",
+     with(shallow, {{"threads", 2}, {"rounds", 1}, {"array", 1}}),
+     {{"predicted", 0}, {"slowdown", 0.5}, {"hash", ""}, {"span", 1e9}, {"workers", -1}}},
     {"shells",
      {{"rounds", 1}, {"target", 2000}},
      {{"manifold", false}, {"closed", false}, {"triangles", 1e9}, {"seen_coverage", 101}, {"seconds_max", 0}}},
@@ -225,6 +228,19 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
     }
 }
 
+TEST_F(Studies, VirtualWorkersComeAfterThoseThatAreMeasured) {
+  const Row given = with(shallow, {{"threads", 2}, {"rounds", 1}, {"array", 1}, {"virtual_workers", 8}});
+  const std::vector<Row> rows = rows_of("schedule", given);
+  ASSERT_EQ(rows.size(), 4u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(number(rows[i], "workers"), 1 << i);
+    EXPECT_EQ(rows[i].at("measured").is_null(), i >= 2);
+    EXPECT_GE(number(rows[i], "speedup"), i == 0 ? 0.999 : number(rows[i - 1], "speedup") * 0.9);
+    EXPECT_LE(number(rows[i], "speedup"), number(rows[i], "parallelism") * (1 + 1e-9));
+  }
+  EXPECT_NE(rows[0].at("critical").get<std::string>().find("partition"), std::string::npos);
+}
+
 TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
   for (const char* name : {"build", "table"}) {
     const Row row = rows_of(name, shallow, 1).front();
@@ -318,6 +334,7 @@ std::vector<Refusal> refusals() {
       {"scaling", {{"task", "build"}, {"resolution", 64.0}}, "resolution", "beside task", true},
       {"scaling", {{"task", "progressive"}, {"sigma0", 0.1}}, "sigma0", "beside task", true},
       {"scaling", {{"task", "reconstruct"}, {"frames", 3}}, "frames", "beside task", true},
+      {"schedule", {{"task", "build"}, {"frames", 3}}, "frames", "beside task", true},
       {"scaling", {{"task", "raster"}, {"simplifier", "cluster"}, {"placement", "optimal"}}, "placement", "quadric"},
   };
 }
@@ -377,7 +394,7 @@ TEST_F(Studies, CancellationEndsARun) {
   context.input = sphere_;
   context.directory = folder_.string();
   context.cancel = &cancelled;
-  for (const char* name : {"build", "flight", "progressive", "reconstruct", "scaling", "systems"}) {
+  for (const char* name : {"build", "flight", "progressive", "reconstruct", "scaling", "schedule", "systems"}) {
     const Experiment& experiment = find_experiment(name);
     EXPECT_THROW((void)experiment.run(Parameters(experiment.parameters, Row::object()), context), Cancelled) << name;
   }

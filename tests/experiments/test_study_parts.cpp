@@ -12,7 +12,7 @@
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/scaling_work.h"
+#include "experiments/studies/scaling/scaling_work.h"
 #include "experiments/studies/verdict.h"
 #include "experiments/studies/viewpoints.h"
 #include "experiments/subjects/frame_proof.h"

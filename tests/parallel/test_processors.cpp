@@ -34,6 +34,22 @@ TEST(OnePerCoreFirst, LosesNoneOfThisMachine) {
   EXPECT_EQ(ordered, allowed_processors());
 }
 
+TEST(CoreByCore, HowTheMachineNumbersThem) {
+  const std::map<int, std::string> cores{{0, "0,2"}, {1, "1,3"}, {2, "0,2"}, {3, "1,3"}};
+  const auto core_of = [&](int processor) { return cores.at(processor); };
+  EXPECT_EQ(core_by_core({0, 1, 2, 3}, core_of), (std::vector<int>{0, 2, 1, 3}));
+  EXPECT_EQ(core_by_core({3, 2, 1}, core_of), (std::vector<int>{3, 1, 2})) << "as given in a core";
+  EXPECT_TRUE(core_by_core({}, core_of).empty());
+}
+
+TEST(CountCores, NoMoreThanProcessorsAndAtLeastOneOfEach) {
+  const std::vector<int> all = allowed_processors();
+  EXPECT_LE(count_cores(all), all.size());
+  EXPECT_GE(count_cores(all), 1u);
+  EXPECT_LE(count_nodes(all), count_cores(all));
+  EXPECT_EQ(count_nodes({all.front()}), 1u);
+}
+
 TEST(CoreOfProcessor, IsItsOwnWhereTheSystemTellsNothing) {
   EXPECT_NE(core_of_processor(90001), core_of_processor(90002));
 }

@@ -1,6 +1,7 @@
 // The tracing scheduler: behaves as the one it wraps, and writes down all that ran.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -51,15 +52,24 @@ TEST(Trace, TasksSayWhatTheyWaitedForAndWorkedOn) {
     for (int run = 0; run < 2; ++run) scheduler->run_graph(graph, [](std::uint32_t) {});
     std::set<std::pair<std::uint32_t, std::uint64_t>> seen;
     for (const TraceEvent& e : trace->events()) {
-      EXPECT_EQ(e.place, e.graph > 0 ? "place " + std::to_string(e.index) : "");
-      EXPECT_EQ(e.after, e.graph == 0   ? std::vector<std::uint32_t>{}
+      EXPECT_EQ(e.place, e.in_graph ? "place " + std::to_string(e.index) : "");
+      EXPECT_EQ(e.after, !e.in_graph    ? std::vector<std::uint32_t>{}
                          : e.index == 0 ? (std::vector<std::uint32_t>{1, 3})
                          : e.index == 1 ? (std::vector<std::uint32_t>{2})
                                         : std::vector<std::uint32_t>{});
-      if (e.graph > 0) seen.emplace(e.graph, e.index);
+      if (e.in_graph) seen.emplace(e.call, e.index);
     }
     EXPECT_EQ(seen.size(), 8u) << "four tasks in each of two graphs";
   }
+}
+
+TEST(Trace, NumbersCallsAlsoThoseOfBodies) {
+  const auto trace = std::make_shared<Trace>(1);
+  const auto scheduler = make_tracing_scheduler(make_serial_scheduler(), trace);
+  scheduler->for_chunks(2, 1, [&](ChunkRange) { scheduler->for_chunks(3, 1, [](ChunkRange) {}); });
+  std::map<std::uint32_t, int> events;
+  for (const TraceEvent& e : trace->events()) ++events[e.call];
+  EXPECT_EQ(events, (std::map<std::uint32_t, int>{{1, 2}, {2, 3}, {3, 3}}));
 }
 
 TEST(Trace, ProcessorTimeIsThatOfTheWork) {

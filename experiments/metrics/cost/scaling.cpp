@@ -1,10 +1,12 @@
 #include "experiments/metrics/cost/scaling.h"
 
 #include <cmath>
+#include <random>
 #include <set>
 #include <string>
 
 #include "core/base/error.h"
+#include "experiments/metrics/cost/order_statistics.h"
 
 namespace lodestone {
 namespace {
@@ -26,6 +28,14 @@ const ThreadTime& check_rows(std::span<const ThreadTime> times) {
   return *one;
 }
 
+std::vector<double> drawn_anew(const std::vector<double>& values, std::mt19937& random) {
+  std::vector<double> drawn(values.size());
+  for (double& value : drawn) value = values[random() % values.size()];
+  return drawn;
+}
+
+Interval middle_of(std::vector<double>& values) { return {quantile(values, 0.025), quantile(values, 0.975)}; }
+
 }  // namespace
 
 std::vector<Scaling> scaling(std::span<const ThreadTime> times) {
@@ -40,6 +50,20 @@ std::vector<Scaling> scaling(std::span<const ThreadTime> times) {
     rows.push_back(s);
   }
   return rows;
+}
+
+ScalingIntervals scaling_intervals(const std::vector<double>& one, const std::vector<double>& many, int threads,
+                                   double work) {
+  if (one.empty() || many.empty()) throw InputError("a scaling without rounds");
+  if (threads == 1) return {{1, 1}, {0, 0}};
+  std::mt19937 random(1);
+  std::vector<double> speedups, shares;
+  for (int draw = 0; draw < 2000; ++draw) {
+    const double alone = median_of(drawn_anew(one, random)), together = median_of(drawn_anew(many, random));
+    const Scaling drawn = scaling(std::vector<ThreadTime>{{1, alone, 1}, {threads, together, work}}).back();
+    speedups.push_back(drawn.speedup), shares.push_back(drawn.karp_flatt);
+  }
+  return {middle_of(speedups), middle_of(shares)};
 }
 
 }  // namespace lodestone

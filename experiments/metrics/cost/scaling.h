@@ -27,4 +27,18 @@ struct Scaling {
 // out of range.
 [[nodiscard]] std::vector<Scaling> scaling(std::span<const ThreadTime> times);
 
+// Both ends of what holds 95 % of the speed-ups, or serial shares, that the medians of rounds drawn anew would give:
+// the percentile bootstrap (efron1993), of 2,000 draws that are always the same.
+struct Interval {
+  double low = 0, high = 0;
+};
+struct ScalingIntervals {
+  Interval speedup, karp_flatt;
+};
+
+// `one`, `many`: wall seconds of the rounds of one thread and of this number of threads, which did `work` times what
+// one did. Throws InputError as scaling() does, and without a round.
+[[nodiscard]] ScalingIntervals scaling_intervals(const std::vector<double>& one, const std::vector<double>& many,
+                                                 int threads, double work = 1);
+
 }  // namespace lodestone

@@ -144,6 +144,7 @@ void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std:
   const Viewport viewport(pass.size);
   const TileGrid grid(pass.size);
   const SetupContext context{pass.projection, &viewport, &grid};
+  scheduler_.name_work("geometry");
   scheduler_.for_chunks(cells.size(), 1, [&](ChunkRange range) {
     Workplace& w = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
     for (std::size_t k = range.begin; k < range.end; ++k) {

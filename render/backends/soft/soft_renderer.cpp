@@ -200,6 +200,7 @@ class SoftRenderer final : public Renderer {
     const DrawnCells drawn = geometry_.drawn(), transparent = has_layers_ ? layers_->drawn() : DrawnCells{};
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
     const bool culls = frame.culls_occluded();
+    scheduler_.name_work("tiles");
     scheduler_.for_chunks(tiles_.size(), 1, [&](ChunkRange range) {
       Workplace& here = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
       for (std::size_t i = range.begin; i < range.end; ++i) {
@@ -235,6 +236,7 @@ class SoftRenderer final : public Renderer {
 
   void occlude(const Frame& frame) {
     const effects::OcclusionJob job = effects::occlusion_job(frame);
+    scheduler_.name_work("ambient occlusion");
     scheduler_.for_chunks(static_cast<std::size_t>(frame.size.height), 16, [&](ChunkRange range) {
       kernels_.occlude(job, static_cast<int>(range.begin), static_cast<int>(range.end), image_);
     });

@@ -18,7 +18,7 @@ struct SimplifyMergedConfig {
   std::size_t triangles = 0;  // to end with; a little more where the surface allows no fewer
   float farthest = 1;         // that a vertex may be from the one that it becomes, normalised units; > 0
   // About so many in a cube, which is what a task simplifies.
-  std::size_t cube_triangles = 50'000;
+  std::size_t cube_triangles = 12'500;
 };
 
 // `wedges`: those of the mesh's vertices, or empty; they are simplified with it, charts remain separate, and a moved

@@ -54,6 +54,25 @@ TEST(Scaling, RefusesWhatHasNoMeaning) {
   refused({{1, 1}, {2, 1, 0}});
 }
 
+TEST(Scaling, IntervalsHoldWhatRoundsGiveAndNarrowWithThem) {
+  const std::vector<double> one{10, 10.5, 9.5, 10.2, 9.8}, two{5.2, 5.6, 5.0, 5.3, 5.1};
+  const ScalingIntervals all = scaling_intervals(one, two, 2);
+  EXPECT_LE(all.speedup.low, 10 / 5.2);
+  EXPECT_GE(all.speedup.high, 10 / 5.2);
+  EXPECT_GE(all.speedup.low, 9.5 / 5.6);
+  EXPECT_LE(all.speedup.high, 10.5 / 5.0);
+  EXPECT_NEAR(all.karp_flatt.low, 2 / all.speedup.high - 1, 1e-9);
+  EXPECT_NEAR(all.karp_flatt.high, 2 / all.speedup.low - 1, 1e-9);
+  EXPECT_EQ(scaling_intervals(one, two, 2).speedup.low, all.speedup.low) << "the same draws";
+  const ScalingIntervals steady = scaling_intervals({10, 10, 10}, {5, 5, 5}, 2);
+  EXPECT_EQ(steady.speedup.low, 2);
+  EXPECT_EQ(steady.speedup.high, 2);
+  EXPECT_EQ(scaling_intervals(one, one, 1).speedup.high, 1);
+  EXPECT_EQ(scaling_intervals({1}, {1}, 4, 4).speedup.low, 4) << "as much work for each";
+  EXPECT_THROW((void)scaling_intervals({}, two, 2), InputError);
+  EXPECT_THROW((void)scaling_intervals(one, {0}, 2), InputError);
+}
+
 // Memory is touched, or it is not resident.
 void use_memory(std::size_t bytes) {
   std::vector<char> block(bytes);

@@ -1,4 +1,4 @@
-#include "experiments/studies/scaling_work.h"
+#include "experiments/studies/scaling/scaling_work.h"
 
 #include <algorithm>
 #include <cmath>
