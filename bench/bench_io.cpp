@@ -29,7 +29,7 @@ std::filesystem::path terrain_file(const std::string& extension) {
   const std::filesystem::path path = bench_folder() / ("terrain" + extension);
   if (std::filesystem::exists(path)) return path;
   std::filesystem::create_directories(bench_folder());
-  write_mesh(path, view_of(generate_mesh({Shape::terrain, triangles, 1})));
+  write_mesh(path, generate_mesh({Shape::terrain, triangles, 1}));
   return path;
 }
 

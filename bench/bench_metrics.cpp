@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/mesh/generate.h"
+#include "experiments/metrics/cracks/crack_basis.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
 #include "parallel/clean/prepare.h"
@@ -40,7 +41,7 @@ struct Subject {
   std::unique_ptr<Scheduler> scheduler = make_tbb_scheduler();
   Hierarchy hierarchy;
   Radii radii;
-  CrackBasis basis;
+  std::shared_ptr<const CrackBasis> basis;
   CrackScratch scratch;
   Selection before, after;
   std::uint64_t drawn = 0;
@@ -56,14 +57,14 @@ void report(benchmark::State& state, const Subject& s) { state.counters["drawn"]
 void crack_basis(benchmark::State& state) {
   Subject& s = subject(static_cast<std::uint64_t>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(make_crack_basis(s.hierarchy, *s.scheduler));
-  state.counters["boundary_edges"] = static_cast<double>(s.basis.boundary.size());
+  state.counters["boundary_edges"] = static_cast<double>(s.basis->boundary.size());
   state.counters["stored"] = static_cast<double>(s.hierarchy.levels.back().triangles);
 }
 
 void chain_form(benchmark::State& state) {
   Subject& s = subject(static_cast<std::uint64_t>(state.range(0)));
   for (auto _ : state) {
-    const CrackReport cracks = residual_edges(s.context(&s.after), s.after, s.basis, *s.scheduler, s.scratch);
+    const CrackReport cracks = residual_edges(s.context(&s.after), s.after, *s.basis, *s.scheduler, s.scratch);
     if (cracks.open_edges != 0) state.SkipWithError("the frame cracks");
   }
   report(state, s);
@@ -72,7 +73,7 @@ void chain_form(benchmark::State& state) {
 void map_form(benchmark::State& state) {
   Subject& s = subject(static_cast<std::uint64_t>(state.range(0)));
   for (auto _ : state) {
-    const GapReport gaps = vertex_gaps(s.context(&s.after), s.after, s.basis, *s.scheduler, s.scratch);
+    const GapReport gaps = vertex_gaps(s.context(&s.after), s.after, *s.basis, *s.scheduler, s.scratch);
     if (gaps.gaps != 0) state.SkipWithError("the frame cracks");
   }
   report(state, s);

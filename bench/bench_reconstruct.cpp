@@ -9,6 +9,7 @@
 
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/reconstruct/from_maps.h"
 #include "render/reconstruct/merge/gather.h"

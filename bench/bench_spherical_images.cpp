@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/mesh/generate.h"
+#include "core/mesh/up_axis.h"
 #include "core/spherical/octahedron/cut_choice.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/octahedron/sphere_raster.h"

@@ -2,25 +2,37 @@
 # optimising code that is never waited for (docs/decisions/0051-compile-time.md).
 option(LODESTONE_MERGE "Compile the files of a folder together" OFF)
 
-# lodestone_cold_sources(TARGET): optimises the sources of this folder for size. For code without loops over a mesh or
-# a picture.
-function(lodestone_cold_sources target)
-  if(NOT LODESTONE_MERGE)
-    return()
-  endif()
-  get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/[^/]*$")
-  set_source_files_properties(${sources} TARGET_DIRECTORY ${target} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-Os>)
-endfunction()
+# Headers that most files include, compiled once for each set of options: GCC ignores those of other options. They are of
+# the system alone, so that a cache serves all checkouts. `cold` is code without loops over a mesh or a picture, which is
+# optimised for size.
+set(precompiled_headers <algorithm> <array> <atomic> <bit> <cmath> <cstdint> <cstring> <filesystem> <functional> <limits>
+    <map> <memory> <numeric> <optional> <set> <span> <string> <string_view> <unordered_map> <utility> <vector>)
+set(size_options $<$<CONFIG:Release>:-Os>)
+if(LODESTONE_MERGE)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/merged/empty.cpp CONTENT "" @ONLY)
+  foreach(kind hot cold)
+    add_library(lodestone_${kind}_headers OBJECT ${PROJECT_BINARY_DIR}/merged/empty.cpp)
+    lodestone_properties(lodestone_${kind}_headers)
+    target_precompile_headers(lodestone_${kind}_headers PRIVATE ${precompiled_headers})
+  endforeach()
+  target_compile_options(lodestone_cold_headers PRIVATE ${size_options})
+endif()
 
-# lodestone_merge_sources(TARGET): replaces the sources of each folder by files below build/PRESET/merged that include up
-# to `most` of them, in the order of the folder's list. Files of different options are compiled apart; those with
-# definitions of their own, generated ones, and those marked as SKIP_UNITY_BUILD_INCLUSION, alone. Paths are relative
+# lodestone_merge_sources(TARGET [hot|cold]): replaces the sources of each folder by files below build/PRESET/merged that
+# include up to `most` of them, in the order of the folder's list. Files of different options are compiled apart; those
+# with definitions of their own, generated ones, and those marked as SKIP_UNITY_BUILD_INCLUSION, alone. Paths are relative
 # to the root, so that a compiler cache serves all checkouts. (CMake's UNITY_BUILD knows neither folders nor options, and
-# writes absolute paths.)
+# writes absolute paths.) Precompiled headers are those of hot or cold code; without either there are none, as for files
+# with options of their own.
 function(lodestone_merge_sources target)
   if(NOT LODESTONE_MERGE)
     return()
+  endif()
+  if(ARGN STREQUAL cold)
+    target_compile_options(${target} PRIVATE ${size_options})
+  endif()
+  if(ARGN)
+    target_precompile_headers(${target} REUSE_FROM lodestone_${ARGN}_headers)
   endif()
   get_target_property(sources ${target} SOURCES)
   set(keys)
@@ -36,6 +48,9 @@ function(lodestone_merge_sources target)
       continue()
     endif()
     get_source_file_property(options ${source} TARGET_DIRECTORY ${target} COMPILE_OPTIONS)
+    if(options)
+      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    endif()
     cmake_path(RELATIVE_PATH source BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
     cmake_path(GET source PARENT_PATH folder)
     string(MAKE_C_IDENTIFIER "${folder} ${options}" key)

@@ -2,7 +2,8 @@
 # include, copied below build/PRESET/include with the prefix before every name. No other header is installed, and the
 # sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all,
 # lodestone/runtime.h those of the component runtime. To keep them few, they declare in advance what they only point to,
-# and leave the steps of a kernel and the parts of a class to headers of their own.
+# and leave the steps of a kernel and the parts of a class to headers of their own. There may be this many:
+set(max_public_headers 63)
 set(public_runtime
   core/base/error_kinds.h
   core/hierarchy/lode/lode_file.h
@@ -32,7 +33,6 @@ set(public_parallel
   parallel/out_of_core/build_model.h
   parallel/progressive/make_progressive.h
   parallel/scheduler/scheduler.h
-  parallel/scheduler/watched.h
   parallel/spherical/make_spherical.h
   parallel/streaming/cell_stream.h)
 set(public_render
@@ -42,7 +42,6 @@ set(public_render
   render/lod/morph.h
   render/lod/resident_cells.h
   render/lod/selection.h
-  render/position_map/map_renderer.h
   render/reconstruct/reconstruct.h)
 set(public_experiments
   experiments/program.h
@@ -91,6 +90,10 @@ endforeach()
 lodestone_umbrella(lodestone ${named})
 lodestone_umbrella(runtime ${public_runtime})
 lodestone_with_included(LODESTONE_PUBLIC_HEADERS ${named})
+list(LENGTH LODESTONE_PUBLIC_HEADERS count)
+if(count GREATER max_public_headers)
+  message(FATAL_ERROR "${count} public headers; at most ${max_public_headers} (cmake/PublicHeaders.cmake)")
+endif()
 
 list(TRANSFORM LODESTONE_PUBLIC_HEADERS PREPEND ${LODESTONE_INCLUDE_DIR}/lodestone/ OUTPUT_VARIABLE copies)
 list(TRANSFORM LODESTONE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/ OUTPUT_VARIABLE originals)

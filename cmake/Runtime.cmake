@@ -17,7 +17,7 @@ set(sources
   core/hierarchy/lode/lode_payload.cpp
   core/hierarchy/model/find_signatures.cpp
   core/hierarchy/model/hierarchy.cpp
-  core/hierarchy/model/packed_normal.cpp
+  core/hierarchy/model/pack_normals.cpp
   core/hierarchy/model/signatures.cpp
   core/hierarchy/model/structure.cpp
   core/math/lattice.cpp

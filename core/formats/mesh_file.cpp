@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
 #include "core/formats/common/float_range.h"
+#include "core/formats/common/mesh_view.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/mesh_reader.h"
 #include "core/formats/obj/obj.h"
@@ -43,6 +44,14 @@ RawMesh read_mesh(const std::filesystem::path& path, const ReadConfig& config) {
   ByteReader input = open_mesh_file(file, config);
   if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
   return read_mesh(input, mesh_format(file, input, config), config);
+}
+
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const RawMesh& mesh) {
+  return write_mesh(path, view_of(mesh));
+}
+
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const IndexedMesh& mesh) {
+  return write_mesh(path, view_of(mesh));
 }
 
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh) {

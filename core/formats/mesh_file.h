@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "core/formats/common/mesh_view.h"
 #include "core/formats/common/read_config.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
+
+struct MeshView;  // core/formats/common/mesh_view.h
 
 // True if the extension is that of a mesh format, in any case.
 [[nodiscard]] bool has_mesh_extension(const std::filesystem::path& path);
@@ -27,7 +28,10 @@ namespace lodestone {
 // decimals that read back as the same double; STL knows float only. Returns what the format loses beyond that, a line
 // each that names the file. Throws UnsupportedError for other extensions, InputError where float would destroy the
 // model, FileError when a file cannot be written; then no new file is left and older ones are as they were, unless the
-// last step, renaming the finished files, failed between two of them.
+// last step, renaming the finished files, failed between two of them. Wedges that are not the vertices are left out; an
+// IndexedMesh is written in the space of the file that it was read from.
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const RawMesh& mesh);
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const IndexedMesh& mesh);
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
 }  // namespace lodestone

@@ -14,7 +14,7 @@
 #include <span>
 #include <string>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {

@@ -11,12 +11,23 @@
 #include <vector>
 
 #include "core/math/lattice.h"
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
-#include "core/mesh/up_axis.h"
 
 namespace lodestone {
+
+// The direction that is up in the space of a model: what cameras stand upright by, and what formats with an up axis of
+// their own (glTF, 3D Tiles) are turned by. The numbers are those of .lode files. `earth`: away from the origin, which
+// is the middle of the Earth.
+enum class UpAxis : std::uint8_t { z, y, x, minus_z, minus_y, minus_x, earth };
+
+// Formats that do not say which axis is up leave it to be guessed: y for OBJ, whose exporters turn models so by
+// default, z for all others.
+struct Up {
+  UpAxis axis = UpAxis::z;
+  bool guessed = true;
+  friend bool operator==(const Up&, const Up&) = default;
+};
 
 struct RawMesh {
   std::vector<Vec3d> positions;

@@ -1,30 +1,19 @@
-// The direction that is up in the space of a model: what cameras stand upright by, and what formats with an up axis of
-// their own (glTF, 3D Tiles) are turned by.
+// The names of up axes, and turns from one to another.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/math/vec3.h"
+#include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
 
 struct Affine3d;  // core/math/affine.h
 
-// The numbers are those of .lode files. `earth`: away from the origin, which is the middle of the Earth.
-enum class UpAxis : std::uint8_t { z, y, x, minus_z, minus_y, minus_x, earth };
 inline constexpr std::array<std::string_view, 7> up_axis_names{"z", "y", "x", "-z", "-y", "-x", "earth"};
-
-// Formats that do not say which axis is up leave it to be guessed: y for OBJ, whose exporters turn models so by
-// default, z for all others.
-struct Up {
-  UpAxis axis = UpAxis::z;
-  bool guessed = true;
-  friend bool operator==(const Up&, const Up&) = default;
-};
 
 [[nodiscard]] constexpr std::string_view name_of(UpAxis axis) { return up_axis_names[static_cast<std::size_t>(axis)]; }
 // The name, and that it is guessed.

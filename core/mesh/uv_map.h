@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/mesh/material.h"
+#include "core/mesh/attributes.h"
 
 namespace lodestone {
 

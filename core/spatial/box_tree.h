@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/spatial/needle_slabs.h"
 
 namespace lodestone {

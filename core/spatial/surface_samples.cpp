@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 #include "core/texture/image_codec.h"
 

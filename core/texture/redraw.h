@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 
-#include "core/math/vec2.h"
 #include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 #include "core/texture/downsample.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/math/lanes/float4.h"
-#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 #include "core/texture/downsample.h"
 

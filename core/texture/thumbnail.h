@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/mesh/material.h"
+#include "core/mesh/attributes.h"
 #include "core/texture/downsample.h"
 
 namespace lodestone {

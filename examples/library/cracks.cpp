@@ -11,7 +11,7 @@ int main() try {
   Repairs repairs;
   IndexedMesh mesh = prepare_mesh(generate_mesh({Shape::sphere, 100'000, 1}), repairs, *scheduler);
   const Hierarchy model = build_hierarchy(std::move(mesh), {.cell_triangles = 500}, *scheduler);
-  const CrackBasis basis = make_crack_basis(model, *scheduler);
+  const auto basis = make_crack_basis(model, *scheduler);
   CrackScratch scratch;
   const auto open_edges = [&](const RadiiConfig& config) {
     const Radii radii = make_radii(model, config);
@@ -21,7 +21,7 @@ int main() try {
       const Vec3f eye{0.5f, 0.5f, 0.9f + 0.05f * static_cast<float>(frame)};
       select_cells(model, radii, eye, {nullptr, true}, selection);  // all cells, as cracks are looked for in all of it
       open +=
-          residual_edges({&model, &radii, Blend::smoothstep, eye}, selection, basis, *scheduler, scratch).open_edges;
+          residual_edges({&model, &radii, Blend::smoothstep, eye}, selection, *basis, *scheduler, scratch).open_edges;
     }
     std::printf("kappa0 %.2f (%s): %llu open edges in 40 frames\n", static_cast<double>(*config.kappa0),
                 radii.admissible ? "admissible" : "below the border", static_cast<unsigned long long>(open));

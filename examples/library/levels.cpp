@@ -19,7 +19,7 @@ int main(int argc, char** argv) try {
                 static_cast<unsigned long long>(l.triangles), error);
   }
   const RawMesh mesh = level_mesh(model, std::atoi(argv[2]));
-  for (const std::string& warning : write_mesh(argv[3], view_of(mesh))) std::printf("%s\n", warning.c_str());
+  for (const std::string& warning : write_mesh(argv[3], mesh)) std::printf("%s\n", warning.c_str());
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;
 }

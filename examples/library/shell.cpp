@@ -16,7 +16,7 @@ int main(int argc, char** argv) try {
   config.resolution = 96;  // samples along the longest side
   config.triangles = 5000;
   const Reconstruction shell = reconstruct(parts, config, *scheduler);
-  (void)write_mesh(argv[1], view_of(shell.mesh));
+  (void)write_mesh(argv[1], shell.mesh);
   std::printf("%zu triangles of 1,000 boxes -> %zu of one shell\n", parts.triangles.size(),
               shell.mesh.triangles.size());
 } catch (const std::exception& error) {

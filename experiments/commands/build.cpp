@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.h"
+#include "core/mesh/up_axis.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/command_line/trace_file.h"
 #include "experiments/commands/build_notes.h"

@@ -8,6 +8,7 @@
 #include "core/files/atomic_folder.h"
 #include "core/formats/mesh_file.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "core/mesh/up_axis.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
@@ -42,7 +43,7 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
     throw InputError(describe(options.file, "", fmt::format("there is no level {}", level),
                               fmt::format("the finest one is {}", hierarchy.finest())));
   const RawMesh mesh = level_mesh(hierarchy, level);
-  const std::vector<std::string> warnings = write_mesh(*options.output, view_of(mesh));
+  const std::vector<std::string> warnings = write_mesh(*options.output, mesh);
   write_result(common, {{"file", *options.output},
                         {"level", level},
                         {"triangles", mesh.triangles.size()},

@@ -8,6 +8,7 @@
 
 #include "core/formats/mesh_file.h"
 #include "core/mesh/edge_census.h"
+#include "core/mesh/up_axis.h"
 #include "core/simplify/contract/simplifier.h"
 #include "experiments/commands/build_notes.h"
 #include "experiments/commands/command.h"

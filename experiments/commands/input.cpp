@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "core/mesh/up_axis.h"
 #include "experiments/command_line/exit_status.h"
 
 namespace lodestone {

@@ -53,7 +53,7 @@ void run(const LodOptions& options, const CommonOptions& common) {
   const StageTime time = clock.elapsed();
   if (raw.triangles.empty())
     throw InputError(describe(options.input, "", "the level has no triangles", "ask for a finer one"));
-  const std::vector<std::string> warnings = write_mesh(options.output, view_of(raw));
+  const std::vector<std::string> warnings = write_mesh(options.output, raw);
   // Both are bounds.
   const double error = std::min(errors.error_of(vertices) * mesh.transform.scale, options.error.value_or(HUGE_VAL));
   write_result(common, {{"input", options.input},

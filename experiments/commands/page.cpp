@@ -10,7 +10,9 @@
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/files/atomic_folder.h"
+#include "core/mesh/up_axis.h"
 #include "core/progressive/progressive_file.h"
+#include "experiments/command_line/data_folder.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
@@ -34,14 +36,17 @@ struct PageOptions {
   InputOptions reading;
 };
 
-// The bundled page: $LODESTONE_PAGE, or where it was built.
+// The bundled page: $LODESTONE_PAGE, or beside the installed program, or where it was built.
 fs::path page_folder() {
   const char* given = std::getenv("LODESTONE_PAGE");
-  const fs::path folder = given != nullptr ? given : LODESTONE_PAGE_DIR;
+  const fs::path folder =
+      given != nullptr
+          ? given
+          : find_data_folder(LODESTONE_PAGE_INSTALLED, LODESTONE_PAGE_BUILT, "page.js").value_or(LODESTONE_PAGE_BUILT);
   for (const char* name : {"page.js", "index.html", "page.css"})
     if (!fs::exists(folder / name))
       throw FileError(describe((folder / name).string(), "", "the bundled page is not there",
-                               "run scripts/setup page and build, or set LODESTONE_PAGE to its folder"));
+                               "run scripts/setup page, build and install again, or set LODESTONE_PAGE to its folder"));
   return folder;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/mesh/up_axis.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/picture_writer.h"
 #include "experiments/command_line/progress.h"

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "experiments/command_line/data_folder.h"
 #include "experiments/commands/command.h"
 
 namespace lodestone {
@@ -22,10 +23,8 @@ struct ReportOptions {
 
 // The folder of the package: beside the installed program, or else in the sources that it was built from.
 fs::path find_package() {
-  std::error_code unreadable;
-  const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
-  for (const fs::path& folder : {program.parent_path() / LODESTONE_PYTHON_INSTALLED, fs::path(LODESTONE_PYTHON_SOURCE)})
-    if (fs::exists(folder / "lodestone_report")) return folder.lexically_normal();
+  if (const auto folder = find_data_folder(LODESTONE_PYTHON_INSTALLED, LODESTONE_PYTHON_SOURCE, "lodestone_report"))
+    return *folder;
   throw FileError(describe(LODESTONE_PYTHON_SOURCE, "", "no Python package lodestone_report",
                            "install Lodestone again, with its folder share/lodestone/python"));
 }

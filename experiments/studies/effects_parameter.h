@@ -2,7 +2,7 @@
 // left out that moves vertices.
 #pragma once
 
-#include "experiments/studies/parameters.h"
+#include "experiments/studies/experiment.h"
 #include "render/effects/plan.h"
 #include "render/lod/radii.h"
 

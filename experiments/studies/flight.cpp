@@ -16,6 +16,7 @@
 #include "experiments/studies/viewpoints.h"
 #include "experiments/subjects/render.h"
 #include "render/backends/make_renderer.h"
+#include "render/lod/blend_curve.h"
 
 namespace lodestone {
 namespace flight_study {

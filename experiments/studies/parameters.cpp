@@ -1,5 +1,3 @@
-#include "experiments/studies/parameters.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "experiments/studies/experiment.h"
 
 namespace lodestone {
 namespace {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "experiments/metrics/pictures/image_quality.h"
 #include "experiments/studies/effects_parameter.h"

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "experiments/metrics/cracks/crack_basis.h"
 #include "experiments/metrics/cracks/leaks.h"
 #include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/pops/pops.h"
 #include "render/lod/selection.h"
 
@@ -78,6 +80,8 @@ void add(SurfaceSample& all, const SurfaceSample& model) {
 FrameProof::FrameProof(const Hierarchy& hierarchy, Scheduler& scheduler)
     : hierarchy_(hierarchy), scheduler_(scheduler), basis_(make_crack_basis(hierarchy, scheduler)) {}
 
+bool FrameProof::closed() const { return basis_->unpaired.empty(); }
+
 SurfaceSample FrameProof::measure(const ProofFrame& frame) {
   MorphContext morph = frame.morph;
   morph.hierarchy = &hierarchy_;
@@ -87,8 +91,8 @@ SurfaceSample FrameProof::measure(const ProofFrame& frame) {
   SurfaceSample sample;
   for (const SelectedCell& s : whole.cells) sample.triangles += hierarchy_.cells[s.cell].triangles.size();
 
-  sample.open_edges = residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges;
-  const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
+  sample.open_edges = residual_edges(morph, whole, *basis_, scheduler_, scratch_).open_edges;
+  const GapReport gaps = vertex_gaps(morph, whole, *basis_, scheduler_, scratch_, &screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean;
   sample.gap_pixels = gaps.gap_max_pixels, sample.gap_mean_pixels = gaps.gap_mean_pixels;
   sample.gaps = gaps.gaps, sample.gaps_in_view = gaps.gaps_in_view;

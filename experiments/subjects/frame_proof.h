@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/pops/jump_tracker.h"
 #include "experiments/subjects/row.h"
 #include "parallel/scheduler/scheduler.h"
@@ -62,7 +64,7 @@ class FrameProof {
   FrameProof(const Hierarchy& hierarchy, Scheduler& scheduler);
 
   [[nodiscard]] SurfaceSample measure(const ProofFrame& frame);
-  [[nodiscard]] bool closed() const { return basis_.unpaired.empty(); }  // there are leaks to look for
+  [[nodiscard]] bool closed() const;  // there are leaks to look for
 
  private:
   [[nodiscard]] std::optional<JumpSample> follow(const ProofFrame& frame, const MorphContext& morph, Selection whole,
@@ -70,7 +72,7 @@ class FrameProof {
 
   const Hierarchy& hierarchy_;
   Scheduler& scheduler_;
-  CrackBasis basis_;
+  std::shared_ptr<const CrackBasis> basis_;
   CrackScratch scratch_;
   JumpTracker jumps_;
   Vec3f promised_viewpoint_;

@@ -110,7 +110,7 @@ class ReconstructRun {
     result.input_triangles = results_.input_triangles;
     result.time = time;
     const RawMesh split = split_wedges(made.mesh);
-    result.warnings = write_mesh(result.file, view_of(split));
+    result.warnings = write_mesh(result.file, split);
     result.wedges = split.positions.size();
     if (job_.measure) {
       job_.on_phase("comparing");

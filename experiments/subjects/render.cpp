@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "parallel/scheduler/clock.h"
 #include "render/lod/selection.h"

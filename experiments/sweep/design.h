@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/studies/parameters.h"
+#include "experiments/studies/experiment.h"
 #include "render/scene/toml_table.h"
 
 namespace lodestone {

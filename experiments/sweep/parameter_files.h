@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/files/json.h"
-#include "experiments/studies/parameters.h"
+#include "experiments/studies/experiment.h"
 
 namespace lodestone {
 

@@ -6,6 +6,7 @@
 #include "experiments/metrics/cracks/leaks.h"
 #include "experiments/metrics/cracks/t_junctions.h"
 #include "experiments/metrics/drawn/border.h"
+#include "experiments/metrics/drawn/screen.h"
 
 namespace lodestone {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "experiments/systems/patch_proof.h"
 #include "experiments/systems/place_jumps.h"

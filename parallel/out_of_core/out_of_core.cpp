@@ -18,7 +18,7 @@
 #include "parallel/out_of_core/stored_blocks.h"
 #include "parallel/out_of_core/stored_source.h"
 #include "parallel/scheduler/clock.h"
-#include "parallel/scheduler/watched.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 namespace {

@@ -1,8 +1,8 @@
-#include "parallel/scheduler/watched.h"
-
 #include <algorithm>
 #include <mutex>
 #include <utility>
+
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/resample/geometry_image.h"
 #include "core/spherical/resample/image_error.h"

@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -13,9 +14,18 @@
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/spherical/map_to_sphere.h"
-#include "parallel/spherical/spherical_maps.h"
 
 namespace lodestone {
+
+// The images that a component gets.
+struct SphericalMaps {
+  bool colour = true;     // and the other images of the materials, as far as these have any
+  bool normal = true;     // in object space
+  bool geometry = false;  // positions, by a fourth as many samples along a side as the others have pixels, and one
+};
+// From names separated by commas; throws InputError listing the known ones.
+[[nodiscard]] SphericalMaps spherical_maps(std::string_view names);
+[[nodiscard]] std::string to_string(const SphericalMaps& maps);
 
 struct SphericalConfig {
   SphereMapConfig map = {};

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spherical/parameterize/sphere_measure.h"
 #include "parallel/scheduler/clock.h"

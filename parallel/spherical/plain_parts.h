@@ -6,7 +6,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "core/spherical/octahedron/unfold.h"
 #include "core/spherical/surface.h"
-#include "parallel/spherical/spherical_maps.h"
+#include "parallel/spherical/make_spherical.h"
 
 namespace lodestone {
 

@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/math/triangle.h"
-#include "core/math/vec2.h"
 #include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 

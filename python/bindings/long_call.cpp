@@ -5,7 +5,7 @@
 
 #include "experiments/command_line/exit_status.h"
 #include "parallel/scheduler/background_job.h"
-#include "parallel/scheduler/watched.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone::python {
 namespace {

@@ -7,6 +7,7 @@
 #include "core/formats/mesh_reader.h"
 #include "core/mesh/generate.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/mesh/up_axis.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/subjects/compare.h"
 #include "experiments/subjects/reconstruct.h"
@@ -14,7 +15,7 @@
 #include "parallel/mesh/compare.h"
 #include "parallel/mesh/generate.h"
 #include "parallel/mesh/load.h"
-#include "parallel/scheduler/watched.h"
+#include "parallel/scheduler/scheduler.h"
 #include "python/bindings/arrays.h"
 #include "python/bindings/bind.h"
 #include "python/bindings/docs.h"
@@ -97,9 +98,9 @@ MeshPtr generate(const std::string& shape_name, const py::kwargs& given) {
 std::vector<std::string> save_mesh(const RawMesh& mesh, const fs::path& path) {
   const py::gil_scoped_release free;
   using lodestone::view_of;
-  if (mesh.wedges.corners.empty()) return write_mesh(path, view_of(mesh));
+  if (mesh.wedges.corners.empty()) return write_mesh(path, mesh);
   const RawMesh split = split_wedges(mesh);
-  return write_mesh(path, view_of(split));
+  return write_mesh(path, split);
 }
 
 py::object compare(const py::object& a, const py::object& b, const py::kwargs& given) {

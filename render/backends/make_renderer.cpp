@@ -11,7 +11,7 @@
 #include "core/base/known_names.h"
 #include "core/base/registry.h"
 #include "render/backends/soft/soft_renderer.h"
-#include "render/position_map/map_renderer.h"
+#include "render/position_map/position_map.h"
 #include "render/position_map/rasterize_map.h"
 #if LODESTONE_GL
 #include "render/backends/gl/gl_position_map.h"

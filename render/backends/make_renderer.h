@@ -13,7 +13,7 @@
 
 namespace lodestone {
 
-class MapRenderer;  // render/position_map/map_renderer.h
+class MapRenderer;  // render/position_map/position_map.h
 
 // The functions that make a backend's renderers; empty ones for frames or maps that it does not draw. Both may throw
 // UnsupportedError, naming the part that is missing here. Scheduler and mesh outlive what is returned.

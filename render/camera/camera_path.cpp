@@ -14,6 +14,7 @@
 #include "core/files/text_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/math/affine.h"
+#include "core/mesh/up_axis.h"
 #include "render/camera/camera.h"
 
 namespace lodestone {

@@ -9,7 +9,6 @@
 #include <array>
 #include <span>
 
-#include "core/math/box3.h"
 #include "core/math/vec3.h"
 #include "render/camera/projection.h"
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone {
 namespace {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "render/camera/camera.h"
 #include "render/lod/selection.h"
 

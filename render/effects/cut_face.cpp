@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/effects/transparency.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::effects {
 namespace {

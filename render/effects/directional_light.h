@@ -5,6 +5,7 @@
 #include "render/effects/effect_info.h"
 
 #ifdef LODESTONE_SHADING_LANES
+#include "render/frame/shading.h"
 #include "render/surface/surface.h"
 #endif
 

@@ -10,6 +10,7 @@
 
 #include "render/effects/texture_mapping.h"
 #include "render/frame/appearance.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::effects {
 

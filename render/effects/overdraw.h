@@ -4,6 +4,7 @@
 #pragma once
 
 #include "render/effects/effect_info.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::effects {
 

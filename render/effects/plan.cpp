@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "render/frame/shading.h"
 
 namespace lodestone {
 namespace {

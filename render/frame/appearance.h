@@ -1,24 +1,12 @@
-// The appearance of a model, and what its own materials and colours contribute to it.
+// Contributions of the materials and colours of a model to its appearance.
 #pragma once
 
-#include "core/math/vec3.h"
-#include "core/mesh/material.h"
-#include "render/frame/shading.h"
+#include "core/mesh/attributes.h"
+#include "render/frame/frame.h"
 
 namespace lodestone {
 
 struct Hierarchy;
-
-// How a placed model looks; its own materials, textures and colours are in its hierarchy. Colours as the picture has
-// them, each channel in [0, 1], without a transfer curve.
-struct Appearance {
-  Vec3f base_colour = shading::albedo;  // times vertex colour, material and texture
-  float opacity = 1;                    // in [0, 1]
-  bool smooth = true;                   // normals interpolated over a triangle; false: one for each triangle
-  // Those that the model has are shown. `textures` are its materials, alpha and sides included.
-  bool vertex_colours = true, textures = true, normal_maps = true;
-  friend bool operator==(const Appearance&, const Appearance&) = default;
-};
 
 // True if it has materials that show a texture or a colour other than white.
 [[nodiscard]] bool has_surface_colours(const Hierarchy& hierarchy);

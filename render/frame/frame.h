@@ -4,14 +4,25 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/vec3.h"
+#include "core/mesh/attributes.h"
 #include "render/camera/projection.h"
-#include "render/frame/appearance.h"
 #include "render/frame/effect.h"
-#include "render/frame/shading.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
+
+// How a placed model looks; its own materials, textures and colours are in its hierarchy. Colours as the picture has
+// them, each channel in [0, 1], without a transfer curve.
+struct Appearance {
+  Vec3f base_colour{0.8f, 0.78f, 0.74f};  // times vertex colour, material and texture
+  float opacity = 1;                      // in [0, 1]
+  bool smooth = true;                     // normals interpolated over a triangle; false: one for each triangle
+  // Those that the model has are shown. `textures` are its materials, alpha and sides included.
+  bool vertex_colours = true, textures = true, normal_maps = true;
+  friend bool operator==(const Appearance&, const Appearance&) = default;
+};
 
 // Light from very far away, from one direction.
 struct DirectionalLight {
@@ -23,8 +34,8 @@ struct DirectionalLight {
 
 // colour = albedo (ambient + (1 - ambient) min(1, sum of lights)), a light giving strength times cosine.
 struct Lighting {
-  float ambient = shading::ambient;  // in [0, 1]; 1: unlit
-  float head = 1;                    // strength of the light at the eye, at least 0
+  float ambient = 0.2f;  // in [0, 1]; 1: unlit
+  float head = 1;        // strength of the light at the eye, at least 0
   DirectionalLight directional;
   friend bool operator==(const Lighting&, const Lighting&) = default;
 };
@@ -52,10 +63,10 @@ struct FrameSettings {
   Lighting lighting;
   Fog fog;
   AmbientOcclusion ambient_occlusion;
-  float level_tint = 0;                    // share of the colour that tells the level, in [0, 1]
-  float wireframe = 0;                     // opacity of the edges of triangles, in [0, 1]
-  Vec3f background = shading::background;  // where no model is
-  bool overdraw = false;                   // instead of the picture: how many triangles lie over each other in a pixel
+  float level_tint = 0;                                     // share of the colour that tells the level, in [0, 1]
+  float wireframe = 0;                                      // opacity of the edges of triangles, in [0, 1]
+  Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};  // where no model is
+  bool overdraw = false;  // instead of the picture: how many triangles lie over each other in a pixel
   friend bool operator==(const FrameSettings&, const FrameSettings&) = default;
 };
 

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -17,14 +16,10 @@
 
 namespace lodestone::shading {
 
-inline constexpr float ambient = 0.2f;
-inline constexpr Vec3f albedo{0.8f, 0.78f, 0.74f};
-
 // Squared length below which an interpolated normal counts as this long: opposite normals light like ambient only.
 inline constexpr float least_norm2 = 1e-12f;
 
-// Colour where no triangle is, unless a scene has another.
-inline constexpr Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};
+// Bytes of FrameSettings::background, unless a scene has another.
 inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 
 // Edges of triangles with the effect wireframe: colour, and half their width in pixels.
@@ -66,13 +61,6 @@ inline constexpr std::uint32_t overdraw_most = 16;
 
 [[nodiscard]] constexpr Vec3f tint_of(int level) {
   return level_tints[static_cast<std::size_t>(level) % level_tints.size()];
-}
-
-// Share of the albedo that reaches the eye; `normal` of any length.
-[[nodiscard]] inline float brightness(Vec3f normal, Vec3f light) {
-  const float norm2 = dot(normal, normal);
-  const float cosine = std::abs(dot(normal, light)) / std::sqrt(norm2 > least_norm2 ? norm2 : least_norm2);
-  return ambient + (1 - ambient) * (cosine < 1 ? cosine : 1);
 }
 
 // value in [0, 1].

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "render/lod/blend_curve.h"
 
 namespace lodestone {
 namespace {

@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-
-#include "render/lod/blend_curve.h"
+#include <vector>
 
 namespace lodestone {
 
@@ -20,6 +19,18 @@ enum class Blend : std::uint8_t {
   late,          // smoothstep over the second half
   step,          // jumps at the middle: the popping baseline, continuous nowhere it matters
   // Further values are curves of a user's own.
+};
+
+// A blending function as data: s(t) on [0, 1]; t is clamped, and so is s.
+struct BlendCurve {
+  enum class Kind : std::uint8_t {
+    table,       // values at equal distances, the first at 0 and the last at 1, straight lines between: 2 to 65
+    polynomial,  // coefficients of 1, t, t^2, ...: 2 to 8
+  };
+  Kind kind = Kind::table;
+  std::vector<float> values;
+
+  friend bool operator==(const BlendCurve&, const BlendCurve&) = default;
 };
 
 // A curve of one's own; equal ones are one blend. Throws InputError for a curve that is none (blend_curve.h),

@@ -1,25 +1,13 @@
-// Blending functions as data: a table or a polynomial of a user's own, the same for every backend.
+// Curves of a user's own: their texts, checks and values, the same for every backend.
 #pragma once
 
-#include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "render/lod/blend.h"
+
 namespace lodestone {
-
-// s(t) on [0, 1]; t is clamped, and so is s.
-struct BlendCurve {
-  enum class Kind : std::uint8_t {
-    table,       // values at equal distances, the first at 0 and the last at 1, straight lines between: 2 to 65
-    polynomial,  // coefficients of 1, t, t^2, ...: 2 to 8
-  };
-  Kind kind = Kind::table;
-  std::vector<float> values;
-
-  friend bool operator==(const BlendCurve&, const BlendCurve&) = default;
-};
 
 // "table:0,0.1,0.9,1", "polynomial:0,0,3,-2", in the fewest digits that give the same curve.
 [[nodiscard]] std::string text_of(const BlendCurve& curve);

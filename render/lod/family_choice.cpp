@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "render/lod/limits.h"
 
 namespace lodestone {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/hierarchy/model/distance_metric.h"
+
 namespace lodestone {
 namespace {
 

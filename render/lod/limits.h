@@ -28,13 +28,6 @@
 
 namespace lodestone {
 
-struct DetailLimit {
-  Box3f box;
-  float radius = 0;
-  friend bool operator==(const DetailLimit&, const DetailLimit&) = default;
-};
-using DetailLimits = std::span<const DetailLimit>;
-
 // d' of a point.
 [[nodiscard]] float limited_distance(DistanceMetric metric, Vec3f viewpoint, Vec3f p, DetailLimits limits);
 

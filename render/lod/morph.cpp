@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/hierarchy/model/signatures.h"
+#include "render/lod/limits.h"
 
 namespace lodestone {
 

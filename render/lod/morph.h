@@ -12,7 +12,6 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/blend.h"
-#include "render/lod/limits.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

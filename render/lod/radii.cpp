@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/distance_metric.h"
 #include "core/hierarchy/model/find_signatures.h"
 #include "core/math/round_up.h"
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -69,6 +70,15 @@ struct Radii {
 
 // A relative guard for the rounding of distances: widens a_l and narrows c_l.
 inline constexpr float rounding_guard = 4e-6f;
+
+// Detail is limited near a box, as if the viewpoint kept away from it: the distance is no less there than what is left
+// of the radius (render/lod/limits.h). Selection and morph of a frame take the same limits.
+struct DetailLimit {
+  Box3f box;
+  float radius = 0;
+  friend bool operator==(const DetailLimit&, const DetailLimit&) = default;
+};
+using DetailLimits = std::span<const DetailLimit>;
 
 // Throws InputError for parameters out of range. An inadmissible uniform kappa0 gives admissible = false and bands that
 // are steps at r_{l-1}; the caller decides if that is an error. Adaptive radii need signatures: without those given and

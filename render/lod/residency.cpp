@@ -4,15 +4,17 @@
 #include <utility>
 
 #include "render/lod/family_choice.h"
+#include "render/lod/limits.h"
 
 namespace lodestone {
 
 Residency::Residency(const Hierarchy& tables, std::vector<std::uint64_t> family_bytes, std::uint64_t root_bytes,
-                     const ResidencyConfig& config)
+                     std::uint64_t budget_bytes, float rate)
     : hierarchy_(tables),
       family_bytes_(std::move(family_bytes)),
       root_bytes_(root_bytes),
-      config_(config),
+      budget_bytes_(budget_bytes),
+      rate_(rate),
       is_chosen_(tables.cells.size()),
       is_resident_(tables.cells.size()),
       bytes_(root_bytes) {}
@@ -67,14 +69,14 @@ bool Residency::update(const Radii& radii, Vec3f viewpoint) {
   viewpoint_ = viewpoint;
   if (!rests) choose();
   changing_ = tracker_.update(
-      hierarchy_, radii_, viewpoint_, [this](CellId cell) { return state_of(cell); }, config_.rate);
+      hierarchy_, radii_, viewpoint_, [this](CellId cell) { return state_of(cell); }, rate_);
   wish();
   return true;
 }
 
 void Residency::choose() {
   for (const CellId cell : chosen_) is_chosen_[cell] = 0;
-  chosen_ = choose_families(hierarchy_, radii_, viewpoint_, {family_bytes_, config_.budget_bytes - root_bytes_});
+  chosen_ = choose_families(hierarchy_, radii_, viewpoint_, {family_bytes_, budget_bytes_ - root_bytes_});
   for (const CellId cell : chosen_) is_chosen_[cell] = 1;
 }
 

@@ -17,17 +17,12 @@
 
 namespace lodestone {
 
-struct ResidencyConfig {
-  std::uint64_t budget_bytes = std::uint64_t{1} << 30;  // of families in memory, those being loaded included
-  float rate = 0.12f;                                   // of the limits, per frame: LimitTracker::update
-};
-
 class Residency {
  public:
   // The hierarchy, of which the tables are enough, outlives this. `family_bytes` by the family's parent; the root,
-  // which is always there, counts into the budget with `root_bytes`.
+  // which is always there, counts into the budget with `root_bytes`. The rate of the limits: LimitTracker::update.
   Residency(const Hierarchy& tables, std::vector<std::uint64_t> family_bytes, std::uint64_t root_bytes,
-            const ResidencyConfig& config);
+            std::uint64_t budget_bytes, float rate);
 
   // The steps of a frame, in this order.
   // 1. Families that the last frame did not draw and whose room is wanted, children before their parents; they are no
@@ -43,8 +38,8 @@ class Residency {
   // Families to be loaded, the most urgent first. Together with `bytes()` they may exceed the budget for some frames.
   [[nodiscard]] std::span<const CellId> wanted() const { return wanted_; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // resident
-  [[nodiscard]] std::uint64_t room() const { return config_.budget_bytes - bytes_; }
-  [[nodiscard]] float rate() const { return config_.rate; }
+  [[nodiscard]] std::uint64_t room() const { return budget_bytes_ - bytes_; }
+  [[nodiscard]] float rate() const { return rate_; }
 
  private:
   [[nodiscard]] bool is_refined(CellId cell) const;  // in the last frame
@@ -55,7 +50,8 @@ class Residency {
   const Hierarchy& hierarchy_;
   std::vector<std::uint64_t> family_bytes_;
   std::uint64_t root_bytes_ = 0;
-  ResidencyConfig config_;
+  std::uint64_t budget_bytes_ = 0;
+  float rate_ = 0;
   LimitTracker tracker_;
   std::vector<std::uint8_t> is_chosen_, is_resident_;  // by parent
   std::vector<CellId> chosen_, resident_, wanted_;

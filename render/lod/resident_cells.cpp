@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_payload.h"
+#include "render/lod/residency.h"
 
 namespace lodestone {
 namespace {
@@ -21,13 +22,22 @@ std::vector<std::uint64_t> bytes_of_families(const CellStream& stream) {
 ResidentCells::ResidentCells(CellStream& stream, const ResidencyConfig& config)
     : stream_(stream),
       hierarchy_(stream.tables()),
-      residency_(hierarchy_, bytes_of_families(stream), stream.family_bytes(no_cell), config) {
+      residency_(std::make_unique<Residency>(hierarchy_, bytes_of_families(stream), stream.family_bytes(no_cell),
+                                             config.budget_bytes, config.rate)) {
   if (bytes() > config.budget_bytes)
     throw InputError(describe("", "memory budget", std::to_string(config.budget_bytes) + " bytes do not hold the root",
                               "allow at least " + std::to_string(bytes())));
   for (Cell& cell : hierarchy_.cells) drop_arrays(cell);
   take_in(stream.load(no_cell));
 }
+
+ResidentCells::~ResidentCells() = default;
+
+DetailLimits ResidentCells::limits() const { return residency_->limits(); }
+
+std::uint64_t ResidentCells::bytes() const { return residency_->bytes(); }
+
+float ResidentCells::rate() const { return residency_->rate(); }
 
 void ResidentCells::take_in(LoadedFamily&& loaded) {
   std::move(loaded.cells.begin(), loaded.cells.end(),
@@ -46,14 +56,14 @@ void ResidentCells::let_go(CellId parent) {
 void ResidentCells::update(const Radii& radii, Vec3f viewpoint) {
   came_.clear();
   went_.clear();
-  for (const CellId parent : residency_.make_room()) let_go(parent);
+  for (const CellId parent : residency_->make_room()) let_go(parent);
   std::vector<LoadedFamily> loaded = stream_.collect();
   for (LoadedFamily& family : loaded)
-    if (residency_.take_in(family.parent)) take_in(std::move(family));
-  const bool updated = residency_.update(radii, viewpoint);
+    if (residency_->take_in(family.parent)) take_in(std::move(family));
+  const bool updated = residency_->update(radii, viewpoint);
   if (updated) ++revision_;
   // Refused families have taken room from the queue.
-  if (updated || !loaded.empty()) stream_.request(residency_.wanted(), residency_.room());
+  if (updated || !loaded.empty()) stream_.request(residency_->wanted(), residency_->room());
 }
 
 }  // namespace lodestone

@@ -11,14 +11,22 @@
 #include <vector>
 
 #include "parallel/streaming/cell_stream.h"
-#include "render/lod/residency.h"
+#include "render/lod/radii.h"
 
 namespace lodestone {
+
+struct ResidencyConfig {
+  std::uint64_t budget_bytes = std::uint64_t{1} << 30;  // of families in memory, those being loaded included
+  float rate = 0.12f;  // of the limits, per frame: LimitTracker::update (render/lod/limits.h)
+};
+
+class Residency;
 
 class ResidentCells {
  public:
   // Loads the root at once. Throws InputError when the budget does not hold it, or as CellStream::load does.
   ResidentCells(CellStream& stream, const ResidencyConfig& config);
+  ~ResidentCells();
   ResidentCells(const ResidentCells&) = delete;
   ResidentCells& operator=(const ResidentCells&) = delete;
 
@@ -32,14 +40,14 @@ class ResidentCells {
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   // Limits for selection and morph of the frame.
-  [[nodiscard]] DetailLimits limits() const { return residency_.limits(); }
+  [[nodiscard]] DetailLimits limits() const;
   // Families that the last update added and removed.
   [[nodiscard]] std::span<const CellId> came() const { return came_; }
   [[nodiscard]] std::span<const CellId> went() const { return went_; }
   // True if the view has all cells that it needs.
   [[nodiscard]] bool complete() const { return limits().empty(); }
-  [[nodiscard]] std::uint64_t bytes() const { return residency_.bytes(); }  // resident now
-  [[nodiscard]] float rate() const { return residency_.rate(); }
+  [[nodiscard]] std::uint64_t bytes() const;  // resident now
+  [[nodiscard]] float rate() const;
 
  private:
   void take_in(LoadedFamily&& loaded);
@@ -47,7 +55,7 @@ class ResidentCells {
 
   CellStream& stream_;
   Hierarchy hierarchy_;
-  Residency residency_;
+  std::unique_ptr<Residency> residency_;
   std::unordered_map<CellId, std::unique_ptr<std::byte[]>> memory_;  // of resident families, by parent
   std::vector<CellId> came_, went_;
   std::uint64_t revision_ = 0;

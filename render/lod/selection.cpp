@@ -1,5 +1,6 @@
 #include "render/lod/selection.h"
 
+#include "render/lod/limits.h"
 #include "render/lod/normal_cones.h"
 
 namespace lodestone {

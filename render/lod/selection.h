@@ -7,7 +7,6 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/projection.h"
-#include "render/lod/limits.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

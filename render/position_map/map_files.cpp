@@ -8,6 +8,8 @@
 #include "core/files/json.h"
 #include "core/files/temporaries.h"
 #include "core/files/text_file.h"
+#include "core/mesh/up_axis.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/read_map.h"
 
 namespace lodestone {

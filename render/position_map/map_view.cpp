@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "render/position_map/position_map.h"
 
 namespace lodestone {
 namespace {

@@ -10,6 +10,7 @@
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
 #include "render/position_map/map_files.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/read_map.h"
 
 namespace lodestone {

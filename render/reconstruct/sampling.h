@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "render/position_map/map_view.h"
 #include "render/reconstruct/reconstruct.h"
 
 namespace lodestone {

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "render/camera/placement.h"
+
 namespace lodestone {
 namespace {
 

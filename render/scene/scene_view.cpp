@@ -7,7 +7,10 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/find_signatures.h"
+#include "core/mesh/up_axis.h"
 #include "render/camera/light_view.h"
+#include "render/camera/placement.h"
+#include "render/camera/view.h"
 #include "render/frame/appearance.h"
 
 namespace lodestone {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/signatures.h"
+#include "render/camera/placement.h"
 #include "render/culling/back_faces.h"
 #include "render/culling/runs.h"
 #include "render/frame/renderer.h"

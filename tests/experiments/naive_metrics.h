@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/pops/pops.h"
 
 namespace lodestone::testing {

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/spatial/triangle_bvh.h"
 #include "experiments/metrics/drawn/border.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/systems/cluster_dag/cluster_dag.h"
 #include "experiments/systems/lod_system.h"
 #include "experiments/systems/patch_proof.h"

@@ -32,13 +32,13 @@ class Guarantee : public ::testing::TestWithParam<std::string> {
     return make_frame(hierarchy_, radii, blend, viewpoint);
   }
   std::uint64_t open_edges(const Frame& f) {
-    return residual_edges(f.context, f.selection, basis_, *scheduler_, scratch_).open_edges;
+    return residual_edges(f.context, f.selection, *basis_, *scheduler_, scratch_).open_edges;
   }
-  double gap_max(const Frame& f) { return vertex_gaps(f.context, f.selection, basis_, *scheduler_, scratch_).gap_max; }
+  double gap_max(const Frame& f) { return vertex_gaps(f.context, f.selection, *basis_, *scheduler_, scratch_).gap_max; }
 
   std::unique_ptr<Scheduler> scheduler_ = make_tbb_scheduler(2);
   Hierarchy hierarchy_;
-  CrackBasis basis_;
+  std::shared_ptr<const CrackBasis> basis_;
   CrackScratch scratch_;
 };
 

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
 #include "parallel/hierarchy/build.h"
@@ -129,13 +130,13 @@ class Limits : public ::testing::Test {
   }
 
   void expect_whole(const Frame& f) {
-    EXPECT_EQ(residual_edges(f.context, f.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis_, *scheduler_, scratch_).gap_max, 0);
+    EXPECT_EQ(residual_edges(f.context, f.selection, *basis_, *scheduler_, scratch_).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(f.context, f.selection, *basis_, *scheduler_, scratch_).gap_max, 0);
   }
 
   std::unique_ptr<Scheduler> scheduler_ = make_tbb_scheduler(2);
   Hierarchy hierarchy_;
-  CrackBasis basis_;
+  std::shared_ptr<const CrackBasis> basis_;
   CrackScratch scratch_;
   std::vector<ChildState> state_;
 };

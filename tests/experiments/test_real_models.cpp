@@ -39,14 +39,14 @@ std::string failures(const VerifyReport& report) {
 
 // No crack in frames from random viewpoints.
 void expect_whole(const Hierarchy& h, Scheduler& scheduler) {
-  const CrackBasis basis = make_crack_basis(h, scheduler);
+  const auto basis = make_crack_basis(h, scheduler);
   CrackScratch memory;
   const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
   ASSERT_TRUE(radii.admissible);
   for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
     const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
-    EXPECT_EQ(residual_edges(f.context, f.selection, basis, scheduler, memory).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, scheduler, memory).gap_max, 0);
+    EXPECT_EQ(residual_edges(f.context, f.selection, *basis, scheduler, memory).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(f.context, f.selection, *basis, scheduler, memory).gap_max, 0);
   }
 }
 

@@ -87,7 +87,7 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
   TestFolder folder_;
   const std::filesystem::path file_ = folder_ / "whole.lode";
   Hierarchy whole_;
-  CrackBasis basis_;
+  std::shared_ptr<const CrackBasis> basis_;
   CrackScratch scratch_;
   std::vector<DetailLimit> limits_;
 };
@@ -115,7 +115,7 @@ TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
       Frame after = frame(radii, viewpoint, resident);
       expect_drawable(after, resident);
       for (const SelectedCell& s : after.selection.cells) finest = std::max<std::size_t>(finest, s.level);
-      EXPECT_EQ(residual_edges(after.context, after.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
+      EXPECT_EQ(residual_edges(after.context, after.selection, *basis_, *scheduler_, scratch_).open_edges, 0u);
       if (before) {
         before->context.limits = limits_before;
         const PopReport pops = largest_jump(before->context, before->selection, after.context, after.selection,

@@ -57,6 +57,16 @@ class Packages(unittest.TestCase):
                       "COMP_CWORD=1; _lodestone; echo ${COMPREPLY[@]}")
         self.assertEqual(offered.split(), ["render", "reconstruct", "report"])
 
+    def test_hold_the_page(self):
+        page = self.root / "lodestone/usr/share/lodestone/page"
+        if not (page / "page.js").exists():
+            self.skipTest("the page is not built")
+        (page / "page.js").write_text("the installed page")  # not the one that was built
+        run(self.program, "generate", "sphere", "--triangles", 200, "-o", "p.ply", cwd=self.root)
+        run(self.program, "page", "p.ply", "-o", "page", cwd=self.root, env={"PATH": ""})  # neither node nor npm
+        self.assertEqual((self.root / "page/page.js").read_text(), "the installed page")
+        self.assertTrue((self.root / "page/models/p.lpm").is_file())
+
     def test_hold_a_package_for_python(self):
         if "python3-lodestone" not in self.names:
             self.skipTest("the Python package is not built")

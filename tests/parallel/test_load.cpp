@@ -53,15 +53,15 @@ RawMesh sample() { return generate_mesh({Shape::sphere, 300'000, 4}); }  // seve
 
 TEST_F(LoadTest, PlyAndStlInChunks) {
   RawMesh mesh = sample();
-  write_mesh(folder_ / "a.ply", view_of(mesh));
+  write_mesh(folder_ / "a.ply", mesh);
   expect_same_as_read(folder_ / "a.ply");
   EXPECT_EQ(read_mesh(folder_ / "a.ply").positions, mesh.positions);
-  write_mesh(folder_ / "b.stl", view_of(mesh));
+  write_mesh(folder_ / "b.stl", mesh);
   expect_same_as_read(folder_ / "b.stl");
   for (Vec3d& p : mesh.positions) p.x += 1e6;  // double positions
-  write_mesh(folder_ / "c.ply", view_of(mesh));
+  write_mesh(folder_ / "c.ply", mesh);
   expect_same_as_read(folder_ / "c.ply");
-  write_mesh(folder_ / "d.obj", view_of(generate_mesh({Shape::box, 300, 1})));
+  write_mesh(folder_ / "d.obj", generate_mesh({Shape::box, 300, 1}));
   expect_same_as_read(folder_ / "d.obj");
 }
 
@@ -125,7 +125,7 @@ TEST_F(LoadTest, TilesSideBySide) {
 }
 
 TEST_F(LoadTest, FacesThatAreNoTrianglesTurnToTheGeneralReader) {
-  write_mesh(folder_ / "a.ply", view_of(sample()));
+  write_mesh(folder_ / "a.ply", sample());
   const std::string bytes = content(folder_ / "a.ply");
   // The last triangle becomes a quad; the one before it a face of two corners.
   std::string polygons = bytes.substr(0, bytes.size() - 2 * ply_triangle_bytes);
@@ -138,14 +138,14 @@ TEST_F(LoadTest, FacesThatAreNoTrianglesTurnToTheGeneralReader) {
 }
 
 TEST_F(LoadTest, WarningsAreThoseOfTheGeneralReader) {
-  write_mesh(folder_ / "a.ply", view_of(sample()));
+  write_mesh(folder_ / "a.ply", sample());
   std::ofstream(folder_ / "b.ply", std::ios::binary) << content(folder_ / "a.ply") << "more";
   expect_same_as_read(folder_ / "b.ply");
   EXPECT_EQ(read_mesh(folder_ / "b.ply").warnings.size(), 1u);
 }
 
 TEST_F(LoadTest, DamagedFilesGiveTheErrorOfTheGeneralReader) {
-  write_mesh(folder_ / "a.ply", view_of(sample()));
+  write_mesh(folder_ / "a.ply", sample());
   const std::string bytes = content(folder_ / "a.ply");
   const auto damaged = [&](const std::string& damaged_bytes) {
     std::ofstream(folder_ / "b.ply", std::ios::binary) << damaged_bytes;

@@ -71,7 +71,7 @@ TEST_F(StreamTest, SameForMoreTrianglesThanAPieceHas) {
 
 TEST_F(StreamTest, SoupsOfStlAreWelded) {
   const IndexedMesh mesh = test::torus_mesh(60, 40);
-  write_mesh(folder_ / "torus.stl", view_of(mesh));
+  write_mesh(folder_ / "torus.stl", mesh);
   expect_same_as_in_memory(folder_ / "torus.stl");
   const auto stream = open_mesh_stream(folder_ / "torus.stl");
   std::vector<Vec3d> all(stream->vertex_count()), part(5);
@@ -84,7 +84,7 @@ TEST_F(StreamTest, SoupsOfStlAreWelded) {
 
 TEST_F(StreamTest, OtherFilesAreNoStreams) {
   const IndexedMesh mesh = test::torus_mesh(10, 10);
-  write_mesh(folder_ / "torus.obj", view_of(mesh));
+  write_mesh(folder_ / "torus.obj", mesh);
   EXPECT_EQ(open_mesh_stream(folder_ / "torus.obj"), nullptr);
   EXPECT_EQ(open_mesh_stream(folder_), nullptr);
   test::write_ply(folder_ / "torus.ply", test::raw_of(mesh));

@@ -10,7 +10,7 @@
 #include "parallel/hierarchy/build.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
-#include "parallel/scheduler/watched.h"
+#include "parallel/scheduler/scheduler.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -21,7 +21,7 @@ class Watched : public FolderTest {
   Watched() {
     mesh_ = (test_folder_.path() / "sphere.ply").string();
     model_ = (test_folder_.path() / "sphere.lode").string();
-    (void)write_mesh(mesh_, view_of(generate_mesh({Shape::sphere, 200'000, 1})));
+    (void)write_mesh(mesh_, generate_mesh({Shape::sphere, 200'000, 1}));
   }
 
   // From a file to a file, as a program does it.

@@ -101,7 +101,7 @@ class WriteAttributes : public testing::TestWithParam<Carried> {
   void expect_round_trip(RawMesh mesh) {
     mesh.up = {UpAxis::y, false};  // as in glTF, whose files turn any other
     const fs::path path = folder_.path() / (std::string("a b#1") + GetParam().extension);
-    write_mesh(path, view_of(mesh));
+    write_mesh(path, mesh);
     expect_equal_attributes(mesh, read_mesh(path), GetParam());
     const auto scheduler = make_tbb_scheduler(2);
     expect_equal_attributes(mesh, load_mesh(path, *scheduler), GetParam());
@@ -172,7 +172,7 @@ TEST_P(WriteAttributes, FailuresLeaveNoFile) {
   fs::create_directories(folder_.path() / "m_0.png");  // an image cannot be written there
   fs::create_directories(folder_.path() / "m.glb");
   const fs::path path = folder_.path() / (std::string("m") + GetParam().extension);
-  EXPECT_THROW(write_mesh(path, view_of(everything(0))), FileError);
+  EXPECT_THROW(write_mesh(path, everything(0)), FileError);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
 }
 
@@ -181,13 +181,13 @@ TEST(WriteObj, WedgesOfAPlaceAreOneVertex) {
   RawMesh mesh = everything(0);
   mesh.wedges.colour.clear();
   for (std::size_t i = 0; i < 10; ++i) mesh.positions[i + 30] = mesh.positions[i];
-  write_mesh(folder.path() / "m.obj", view_of(mesh));
+  write_mesh(folder.path() / "m.obj", mesh);
   EXPECT_EQ(read_mesh(folder.path() / "m.obj").positions.size(), 30u);
 }
 
 TEST(WriteObj, MaterialsKeepTheirNames) {
   const TestFolder folder;
-  write_mesh(folder.path() / "m.obj", view_of(everything(0)));
+  write_mesh(folder.path() / "m.obj", everything(0));
   const RawMesh read = read_mesh(folder.path() / "m.obj");
   std::vector<std::string> names;
   for (const Material& m : read.materials) names.push_back(m.name);

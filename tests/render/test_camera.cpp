@@ -11,6 +11,8 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/distance_metric.h"
+#include "core/mesh/up_axis.h"
 #include "render/camera/camera.h"
 #include "tests/expect_error.h"
 #include "tests/naive_hierarchy.h"

@@ -9,6 +9,7 @@
 #include "core/hierarchy/model/signatures.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
+#include "render/camera/placement.h"
 #include "render/lod/resident_cells.h"
 #include "render/scene/scene_view.h"
 #include "tests/expect_error.h"

@@ -6,6 +6,7 @@
 #include "core/texture/normal_space.h"
 #include "core/texture/page_packer.h"
 #include "core/texture/texel_wrap.h"
+#include "render/frame/appearance.h"
 #include "render/textures/surface_textures.h"
 #include "tests/render/planar_model.h"
 

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spatial/point_triangle.h"
 

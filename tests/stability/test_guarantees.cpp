@@ -78,7 +78,7 @@ class Trial {
     double widest = 0;
     for (const AdversarialView& view : adversarial_views(hierarchy_, radii)) {
       const Drawn drawn(hierarchy_, radii, blend(), view.viewpoint);
-      widest = std::max(widest, vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max);
+      widest = std::max(widest, vertex_gaps(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).gap_max);
     }
     return widest;
   }
@@ -124,10 +124,10 @@ class Trial {
     for (std::size_t k = 0; k < views.size(); ++k) {
       const std::string where = " at view " + std::to_string(k);
       Drawn now(hierarchy_, radii, blend(), views[k]);
-      const CrackReport cracks = residual_edges(now.context, now.selection, basis_, *scheduler_, scratch_);
+      const CrackReport cracks = residual_edges(now.context, now.selection, *basis_, *scheduler_, scratch_);
       if (cracks.uncovered_leaves > 0) return "the selection is not a partition" + where;
       if (cracks.open_edges > 0) return std::to_string(cracks.open_edges) + " residual edges" + where;
-      if (const double gap = vertex_gaps(now.context, now.selection, basis_, *scheduler_, scratch_).gap_max; gap > 0)
+      if (const double gap = vertex_gaps(now.context, now.selection, *basis_, *scheduler_, scratch_).gap_max; gap > 0)
         return "a gap of " + std::to_string(gap) + where;
       if (before && blend() != Blend::step) {
         const PopReport pops =
@@ -145,7 +145,7 @@ class Trial {
   IndexedMesh input_;
   std::unique_ptr<Scheduler> scheduler_;
   Hierarchy hierarchy_;
-  CrackBasis basis_;
+  std::shared_ptr<const CrackBasis> basis_;
   CrackScratch scratch_;
 };
 

@@ -336,14 +336,14 @@ struct Drawn {
 class ViewGuarantees : public ::testing::Test {
  protected:
   void expect_no_crack(const Drawn& drawn) {
-    EXPECT_EQ(residual_edges(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max, 0);
+    EXPECT_EQ(residual_edges(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).gap_max, 0);
   }
   [[nodiscard]] double gap(const Drawn& drawn) {
-    return vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max;
+    return vertex_gaps(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).gap_max;
   }
   std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
-  CrackBasis basis_ = make_crack_basis(*model(), *scheduler_);
+  std::shared_ptr<const CrackBasis> basis_ = make_crack_basis(*model(), *scheduler_);
   CrackScratch scratch_;
 };
 

@@ -19,7 +19,7 @@ json json_of(const Box3f& b) { return {b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b
 
 // Families arrive at once, for more frames than it takes until no frame differs from the one before.
 json limits_at_rest(const testing::Case& c) {
-  Residency residency(c.tables.hierarchy, c.tables.bytes, root_bytes, {root_bytes + c.room, 0.3f});
+  Residency residency(c.tables.hierarchy, c.tables.bytes, root_bytes, root_bytes + c.room, 0.3f);
   const std::size_t frames = 100 + 20 * c.tables.hierarchy.cells.size();
   for (std::size_t frame = 0; frame < frames; ++frame) {
     (void)residency.make_room();

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

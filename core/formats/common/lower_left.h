@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

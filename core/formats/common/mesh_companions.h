@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/files/atomic_file.h"
-#include "core/mesh/material.h"
+#include "core/mesh/attributes.h"
 
 namespace lodestone {
 

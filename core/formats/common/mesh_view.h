@@ -5,7 +5,7 @@
 #include <functional>
 #include <span>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {

@@ -18,7 +18,7 @@
 #include <optional>
 
 #include "core/files/scalar_type.h"
-#include "core/mesh/up_axis.h"
+#include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
 

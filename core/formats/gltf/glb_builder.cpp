@@ -8,6 +8,7 @@
 #include "core/formats/gltf/gltf_meshopt.h"
 #include "core/formats/gltf/gltf_surface.h"
 #include "core/math/affine.h"
+#include "core/mesh/up_axis.h"
 
 namespace lodestone {
 namespace {

@@ -11,7 +11,7 @@
 namespace lodestone {
 
 // Text or binary (told apart by the first bytes): the triangles of the default scene, moved by their nodes. Attributes:
-// NORMAL, COLOR_0, TEXCOORD_n, materials in full (core/mesh/material.h). Buffers may be compressed by
+// NORMAL, COLOR_0, TEXCOORD_n, materials in full (core/mesh/attributes.h). Buffers may be compressed by
 // KHR_draco_mesh_compression and EXT_meshopt_compression, values by KHR_mesh_quantization; EXT_mesh_gpu_instancing is
 // expanded. Not read: points and lines, skins and morph targets (the pose at rest is read), animations, cameras and
 // lights, all with a warning; other extensions that a file requires.

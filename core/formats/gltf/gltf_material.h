@@ -11,7 +11,7 @@
 #include "core/formats/common/companion_files.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/misplaced_maps.h"
-#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 #include "core/mesh/uv_map.h"
 

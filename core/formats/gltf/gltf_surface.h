@@ -8,7 +8,7 @@
 
 #include "core/files/json.h"
 #include "core/files/json_view.h"
-#include "core/mesh/material.h"
+#include "core/mesh/attributes.h"
 
 namespace lodestone {
 

@@ -15,7 +15,7 @@
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_surface.h"
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/raw_mesh.h"
 
 namespace lodestone {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 
-#include "core/math/box3.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {

@@ -7,15 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
-#include "core/math/box3.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {
-
-enum class DistanceMetric : std::uint8_t { euclidean = 0, chebyshev = 1 };
-inline constexpr int distance_metric_count = 2;
 
 // Norm of a vector of non-negative components.
 [[nodiscard]] inline float norm(DistanceMetric metric, float ax, float ay, float az) {

@@ -14,15 +14,25 @@
 
 #include "core/base/id.h"
 #include "core/hierarchy/model/cell_code.h"
-#include "core/hierarchy/model/distance_metric.h"
 #include "core/hierarchy/model/index_view.h"
-#include "core/hierarchy/model/packed_normal.h"
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
 
 inline constexpr CellId no_cell{0xffff'ffffu};
+
+// The distance d of selection and morph (core/hierarchy/model/distance_metric.h).
+enum class DistanceMetric : std::uint8_t { euclidean = 0, chebyshev = 1 };
+inline constexpr int distance_metric_count = 2;
+
+// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.004 degrees.
+struct PackedNormal {
+  std::int16_t u = 0, v = 0;
+  friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
+};
+[[nodiscard]] PackedNormal pack_normal(Vec3f n);         // n need not be of unit length; zero gives +z
+[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
 
 // The attributes of vertices besides a normal. `wedges`: several vertices may share a position.
 struct AttributeSet {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/indexed_mesh.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

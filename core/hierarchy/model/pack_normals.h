@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/hierarchy/model/packed_normal.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "core/math/lanes/float4.h"
 
 namespace lodestone {

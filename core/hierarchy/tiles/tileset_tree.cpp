@@ -13,6 +13,7 @@
 #include "core/hierarchy/model/material_of.h"
 #include "core/math/affine.h"
 #include "core/math/round_up.h"
+#include "core/mesh/up_axis.h"
 #include "core/texture/image_codec.h"
 
 namespace lodestone {

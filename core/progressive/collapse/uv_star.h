@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 #include "core/progressive/collapse/ring_mesh.h"
 
 namespace lodestone::progressive {

@@ -8,6 +8,7 @@
 #include "core/formats/common/float_range.h"
 #include "core/formats/gltf/glb_builder.h"
 #include "core/math/round_up.h"
+#include "core/mesh/up_axis.h"
 #include "core/progressive/mesh/octahedral_layout.h"
 #include "core/texture/colour.h"
 

@@ -8,6 +8,7 @@
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
 #include "core/math/round_up.h"
+#include "core/mesh/up_axis.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/octahedral_layout.h"

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf_surface.h"
 #include "core/math/round_up.h"
+#include "core/mesh/up_axis.h"
 #include "core/progressive/mesh/octahedral_layout.h"
 
 namespace lodestone::progressive {

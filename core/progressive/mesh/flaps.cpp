@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "core/base/disjoint_sets.h"
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone::progressive {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 
 namespace lodestone::progressive {
 

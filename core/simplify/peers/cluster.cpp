@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/key_numbers.h"
-#include "core/math/box3.h"
 #include "core/math/quadric.h"
+#include "core/math/vec3.h"
 #include "core/simplify/peers/peers.h"
 
 namespace lodestone {

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/simplify/contract/collapse_mesh.h"
 #include "core/simplify/peers/peers.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone::quadric {
 namespace {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/math/affine.h"
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 
 namespace lodestone::spherical {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "core/base/instruction_set.h"
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/octahedron/raster_kernel.h"

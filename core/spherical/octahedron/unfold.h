@@ -14,7 +14,6 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 

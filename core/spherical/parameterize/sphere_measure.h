@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 
 namespace lodestone::spherical {

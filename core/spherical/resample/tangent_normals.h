@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "core/mesh/tangents.h"
 #include "core/texture/downsample.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 
 namespace lodestone::spherical {
 

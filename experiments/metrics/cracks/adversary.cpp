@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/distance_metric.h"
 #include "core/hierarchy/model/signatures.h"
 
 namespace lodestone {

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/base/error.h"
+#include "experiments/metrics/cracks/cracks.h"
 
 namespace lodestone {
 namespace {
@@ -169,13 +170,14 @@ void find_copies(const Hierarchy& hierarchy, CrackBasis& basis) {
 
 }  // namespace
 
-CrackBasis make_crack_basis(const Hierarchy& hierarchy, Scheduler& scheduler) {
-  CrackBasis basis;
+std::shared_ptr<const CrackBasis> make_crack_basis(const Hierarchy& hierarchy, Scheduler& scheduler) {
+  const auto made = std::make_shared<CrackBasis>();
+  CrackBasis& basis = *made;
   find_leaves(hierarchy, basis);
   find_boundaries(hierarchy, scheduler, basis);
   find_unpaired(hierarchy, basis);
   find_copies(hierarchy, basis);
-  return basis;
+  return made;
 }
 
 }  // namespace lodestone

@@ -1,5 +1,5 @@
-// Data of a hierarchy that the crack metrics compute beforehand: connectivity alone, so that a frame costs no more than
-// the borders of the cells that it draws.
+// Data of a hierarchy (make_crack_basis) that the crack metrics compute beforehand: connectivity alone, so that a frame
+// costs no more than the borders of the cells that it draws.
 //
 // The boundary of an oriented chain is linear. The drawn surface is the sum over the drawn cells of morphed M_l(C), so
 // its boundary is the sum of the morphed boundaries of M_l(C): an edge that two triangles of one cell run through in
@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
-#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
@@ -54,10 +53,6 @@ struct CrackBasis {
     return std::span(unpaired).subspan(unpaired_begin[leaf], unpaired_begin[leaf + 1] - unpaired_begin[leaf]);
   }
 };
-
-// Linear in the triangles of all levels but for two sorts of what borders a leaf. The basis serves the hierarchy as
-// long as its triangles and shared ids stay the same. Throws ResourceError for 2^32 or more copies of shared vertices.
-[[nodiscard]] CrackBasis make_crack_basis(const Hierarchy& hierarchy, Scheduler& scheduler);
 
 // The ancestor at level `to`, in its cell, of a vertex of the cell, which is of level `from` >= to.
 [[nodiscard]] inline VertexId follow_parents(const Hierarchy& hierarchy, CellId cell, VertexId vertex, int from,

@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "experiments/metrics/cracks/crack_basis.h"
+#include "experiments/metrics/drawn/screen.h"
 
 namespace lodestone {
 namespace {

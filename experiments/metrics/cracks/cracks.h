@@ -6,14 +6,23 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "experiments/metrics/cracks/crack_basis.h"
-#include "experiments/metrics/drawn/screen.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
+
+struct CrackBasis;  // experiments/metrics/cracks/crack_basis.h
+class Screen;       // experiments/metrics/drawn/screen.h
+
+// The basis of a hierarchy, made once before frames are looked at. Linear in the triangles of all levels but for two
+// sorts of what borders a leaf. It serves the hierarchy as long as its triangles and shared ids stay the same. Throws
+// ResourceError for 2^32 or more copies of shared vertices.
+[[nodiscard]] std::shared_ptr<const CrackBasis> make_crack_basis(const Hierarchy& hierarchy, Scheduler& scheduler);
 
 // A directed edge of the drawn boundary that is not expected (multiplicity > 0), or expected and not there (< 0).
 struct ResidualEdge {

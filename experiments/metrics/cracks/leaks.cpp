@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/drawn/drawn_mesh.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "render/camera/projection.h"
 #include "render/position_map/rasterize_map.h"
 

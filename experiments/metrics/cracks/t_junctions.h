@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "experiments/metrics/drawn/position_resolution.h"
+#include "experiments/metrics/drawn/screen.h"
 
 namespace lodestone {
 namespace {

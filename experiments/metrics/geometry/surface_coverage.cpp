@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/spatial/triangle_bvh.h"
+#include "render/position_map/map_view.h"
 #include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "experiments/metrics/drawn/screen.h"
 
 namespace lodestone {
 namespace {

@@ -19,12 +19,13 @@
 #include <span>
 #include <vector>
 
-#include "experiments/metrics/drawn/screen.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
+
+class Screen;  // experiments/metrics/drawn/screen.h
 
 // One vertex between two frames.
 struct VertexJump {

@@ -3,8 +3,8 @@
 // with other groups stay where they are, and the result is cut into clusters anew. Groups change from step to step, so
 // that what was locked once is simplified later.
 //
-// Made with meshoptimizer's clusters and simplification, and METIS's partition of graphs (karypis1998), as packaged; an error is
-// meshoptimizer's estimate, or measured.
+// Made with meshoptimizer's clusters and simplification, and METIS's partition of graphs (karypis1998), as packaged; an
+// error is meshoptimizer's estimate, or measured.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -41,8 +40,8 @@ struct ClusterDagConfig {
   bool measured = false;
 };
 
-// The surface lies in the unit cube and is welded; attributes are left out. The same for any number of threads. Throws ResourceError
-// where METIS runs out of memory; Cancelled.
+// The surface lies in the unit cube and is welded; attributes are left out. The same for any number of threads. Throws
+// ResourceError where METIS runs out of memory; Cancelled.
 [[nodiscard]] std::vector<Cluster> build_cluster_dag(std::span<const Vec3f> positions,
                                                      std::span<const Triangle> triangles,
                                                      const ClusterDagConfig& config, Scheduler& scheduler);

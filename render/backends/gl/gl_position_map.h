@@ -6,7 +6,7 @@
 
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
-#include "render/position_map/map_renderer.h"
+#include "render/position_map/position_map.h"
 
 namespace lodestone {
 

@@ -8,6 +8,7 @@
 #include "core/hierarchy/model/material_of.h"
 #include "render/backends/soft/clip.h"
 #include "render/effects/transparency.h"
+#include "render/lod/limits.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone::soft {

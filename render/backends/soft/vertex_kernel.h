@@ -5,6 +5,7 @@
 
 #include "render/backends/soft/kernels.h"
 #include "render/lod/blend.h"
+#include "render/lod/limits.h"
 #include "render/surface/lanes.h"
 
 namespace lodestone::soft::LODESTONE_LANES {

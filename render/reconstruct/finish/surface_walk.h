@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/id.h"
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/ownership.h"

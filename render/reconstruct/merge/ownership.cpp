@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/position_map/map_view.h"
 #include "render/reconstruct/views/cell_corners.h"
 
 namespace lodestone {

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
 #include "render/reconstruct/merge/ownership.h"

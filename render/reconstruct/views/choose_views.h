@@ -15,7 +15,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
-#include "render/reconstruct/report/view_choice.h"
+#include "render/reconstruct/report/report.h"
 
 namespace lodestone {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/spatial/triangle_bvh.h"
+#include "render/position_map/map_view.h"
 #include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {

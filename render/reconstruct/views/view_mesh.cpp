@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/position_map/map_view.h"
+
 namespace lodestone {
 namespace {
 

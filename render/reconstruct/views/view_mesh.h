@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "render/position_map/position_map.h"
 
 namespace lodestone {

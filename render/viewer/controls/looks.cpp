@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/up_axis.h"
 #include "render/viewer/controls/in_range.h"
 
 namespace lodestone::viewer {

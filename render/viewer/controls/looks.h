@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/mesh/up_axis.h"
 #include "render/scene/scene.h"
 
 namespace lodestone::viewer {
@@ -11,7 +12,7 @@ namespace lodestone::viewer {
 struct Looks {
   Lighting lighting;
   Vec3d towards_light = Scene{}.towards_light;  // the directional light; any length but zero
-  Vec3f background = shading::background;
+  Vec3f background = FrameSettings{}.background;
   Fog fog;
   AmbientOcclusion ambient_occlusion;
   EffectSet without;         // effects that do not run, whatever calls for them

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "core/hierarchy/model/distance_metric.h"
+#include "render/lod/limits.h"
 #include "render/viewer/session/projection.h"
 
 namespace lodestone::viewer {

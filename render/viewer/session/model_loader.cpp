@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "parallel/scheduler/watched.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/scene/scene_file.h"
 
 namespace lodestone::viewer {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/material_of.h"
+#include "render/camera/placement.h"
 #include "render/effects/cut_face.h"
 #include "render/effects/transparency.h"
 #include "render/viewer/session/projection.h"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/mesh/up_axis.h"
 #include "render/effects/plan.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/controls/layout.h"

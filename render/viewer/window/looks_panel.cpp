@@ -1,5 +1,6 @@
 #include "render/viewer/window/looks_panel.h"
 
+#include "core/mesh/up_axis.h"
 #include "render/viewer/window/widgets.h"
 
 namespace lodestone::viewer {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "render/backends/gl/gl_renderer.h"
-#include "render/frame/shading.h"
 
 namespace lodestone::viewer {
 namespace {
@@ -85,7 +84,8 @@ void clear_window(ImageSize size) {
   glViewport(0, 0, size.width, size.height);
   glDisable(GL_SCISSOR_TEST);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glClearColor(shading::background.x, shading::background.y, shading::background.z, 1);
+  const Vec3f background = FrameSettings{}.background;
+  glClearColor(background.x, background.y, background.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
 }
 

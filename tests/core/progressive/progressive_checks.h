@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone::test {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "experiments/metrics/cracks/adversary.h"
+#include "experiments/metrics/cracks/crack_basis.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
@@ -28,13 +29,15 @@ struct Subject {
   [[nodiscard]] const Hierarchy& hierarchy() const { return built.hierarchy; }
 
   CrackReport cracks(const Frame& frame) {
-    return residual_edges(frame.context, frame.selection, basis, *scheduler, scratch);
+    return residual_edges(frame.context, frame.selection, *basis, *scheduler, scratch);
   }
-  GapReport gaps(const Frame& frame) { return vertex_gaps(frame.context, frame.selection, basis, *scheduler, scratch); }
+  GapReport gaps(const Frame& frame) {
+    return vertex_gaps(frame.context, frame.selection, *basis, *scheduler, scratch);
+  }
 
   NaiveHierarchy built;
   std::unique_ptr<Scheduler> scheduler = make_serial_scheduler();
-  CrackBasis basis;
+  std::shared_ptr<const CrackBasis> basis;
   CrackScratch scratch;
 };
 

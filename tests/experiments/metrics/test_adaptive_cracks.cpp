@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "experiments/metrics/cracks/adversary.h"
 #include "experiments/metrics/pops/pops.h"
 #include "tests/experiments/metrics/crack_subject.h"

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "experiments/metrics/cracks/adversary.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/metrics/cracks/crack_basis.h"
 #include "tests/experiments/metrics/crack_subject.h"
 
 namespace lodestone {
@@ -105,7 +106,7 @@ TEST(CrackFaults, SeesCellsThatAreNotDrawn) {
   Subject subject(sphere_mesh(12));
   LevelFrame drawn = draw_level(subject.hierarchy(), 2, true);
   drawn.frame.context.radii = &drawn.radii;
-  const LeafRange left_out = subject.basis.leaves[drawn.frame.selection.cells.back().cell];
+  const LeafRange left_out = subject.basis->leaves[drawn.frame.selection.cells.back().cell];
   drawn.frame.selection.cells.pop_back();
   EXPECT_EQ(subject.cracks(drawn.frame).uncovered_leaves, left_out.size());
   EXPECT_GT(subject.cracks(drawn.frame).open_edges, 0u);
@@ -114,7 +115,7 @@ TEST(CrackFaults, SeesCellsThatAreNotDrawn) {
 
   drawn.frame.selection.cells.push_back(drawn.frame.selection.cells.front());
   EXPECT_EQ(subject.cracks(drawn.frame).uncovered_leaves,
-            left_out.size() + subject.basis.leaves[drawn.frame.selection.cells.front().cell].size());
+            left_out.size() + subject.basis->leaves[drawn.frame.selection.cells.front().cell].size());
 }
 
 }  // namespace

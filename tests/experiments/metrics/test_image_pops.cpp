@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/pops/image_pops.h"
+#include "render/camera/view.h"
 
 namespace lodestone {
 namespace {

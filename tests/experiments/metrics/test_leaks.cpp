@@ -9,7 +9,9 @@
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/cracks/leaks.h"
 #include "experiments/metrics/drawn/drawn_mesh.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "render/camera/camera.h"
+#include "render/camera/view.h"
 #include "render/position_map/rasterize_map.h"
 #include "tests/experiments/metrics/crack_subject.h"
 

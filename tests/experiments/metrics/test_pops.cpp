@@ -6,7 +6,9 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks/adversary.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/pops/pops.h"
+#include "render/camera/view.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/naive_metrics.h"

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/spatial/point_triangle.h"
+#include "experiments/metrics/drawn/screen.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "parallel/hierarchy/build.h"
 #include "tests/experiments/lod_frames.h"

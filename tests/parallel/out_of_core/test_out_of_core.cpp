@@ -82,7 +82,7 @@ TEST_F(OutOfCore, NamesTheSmallerNeed) {
 // A file that can only be read as a whole is refused by its size before it is read.
 TEST_F(OutOfCore, RefusesWholeFilesBeyondTheLimit) {
   const fs::path path = folder_ / "m.obj";
-  write_mesh(path, view_of(test::sphere_mesh(5)));
+  write_mesh(path, test::sphere_mesh(5));
   EXPECT_THROW((void)open_model_source(path, {}, 1000, 2), ResourceError);
   const auto scheduler = make_serial_scheduler();
   config_.memory_limit = std::uint64_t{1} << 20;

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -116,6 +118,13 @@ class ObviousRenderer final : public Renderer {
     return sum;
   }
 
+  // Share of the albedo that reaches the eye; `normal` of any length.
+  [[nodiscard]] static float brightness(Vec3f normal, Vec3f light) {
+    const float norm2 = dot(normal, normal), ambient = Lighting{}.ambient;
+    const float cosine = std::abs(dot(normal, light)) / std::sqrt(std::max(norm2, shading::least_norm2));
+    return ambient + (1 - ambient) * std::min(cosine, 1.0f);
+  }
+
   [[nodiscard]] static Vec3d shade(const Frame& frame, const WindowTriangle& t, soft::SnappedPoint p) {
     Vec3d normal;
     double w = 0;
@@ -124,8 +133,10 @@ class ObviousRenderer final : public Renderer {
       normal = normal + share * to_double(t.v[k].normal);
       w += share;
     }
-    const float light = shading::brightness(to_float((1 / w) * normal), frame.only().towards_eye);
-    return to_double(light * (frame.settings.level_tint > 0 ? shading::tint_of(t.level) : shading::albedo));
+    const float light = brightness(to_float((1 / w) * normal), frame.only().towards_eye);
+    const Vec3f albedo =
+        frame.settings.level_tint > 0 ? shading::tint_of(t.level) : frame.only().appearance.base_colour;
+    return to_double(light * albedo);
   }
 
   const Hierarchy* hierarchy_ = nullptr;

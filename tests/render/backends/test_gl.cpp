@@ -46,7 +46,7 @@ TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
   // The corners of the plate bound a rectangle of pixels: inside the shading formula, outside the background.
   const Vec3d left_bottom = window_of(whole.frame, {0, 0, 0.5}), right_top = window_of(whole.frame, {1, 0.5, 0.5});
   const float shade = 0.2f + 0.8f * 0.8f;
-  const Vec3f expected = shade * shading::albedo;
+  const Vec3f expected = shade * Appearance{}.base_colour;
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) {
       const bool covered =
@@ -84,7 +84,7 @@ TEST_F(GlTest, BothSidesAreLit) {
   whole.frame.only().towards_eye = {0, 0, -1};
   renderer_->upload(plate_above.hierarchy);
   (void)renderer_->draw(whole.frame);
-  EXPECT_NEAR(pixel(renderer_->read_back(), 80, 60)[0], shading::to_byte(shading::albedo.x), 1);
+  EXPECT_NEAR(pixel(renderer_->read_back(), 80, 60)[0], shading::to_byte(Appearance{}.base_colour.x), 1);
 }
 
 TEST_F(GlTest, TintFollowsTheLevel) {

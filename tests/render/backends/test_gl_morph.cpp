@@ -9,6 +9,7 @@
 #include "experiments/metrics/cracks/adversary.h"
 #include "render/backends/gl/scene/places.h"
 #include "render/camera/camera.h"
+#include "render/lod/limits.h"
 #include "tests/render/backends/gl_fixture.h"
 #include "tests/render/own_blends.h"
 

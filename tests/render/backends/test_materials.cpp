@@ -9,6 +9,7 @@
 #include "core/texture/colour.h"
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
+#include "render/frame/appearance.h"
 #include "tests/render/rays.h"
 #include "tests/render/textured_models.h"
 

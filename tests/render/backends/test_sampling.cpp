@@ -3,6 +3,7 @@
 
 #include "core/texture/downsample.h"
 #include "render/backends/make_renderer.h"
+#include "render/frame/appearance.h"
 #include "tests/render/conformance.h"
 #include "tests/render/planar_model.h"
 

@@ -5,6 +5,7 @@
 
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
+#include "render/frame/appearance.h"
 #include "tests/render/conformance.h"
 #include "tests/render/textured_models.h"
 

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/distance_metric.h"
 #include "core/hierarchy/model/find_signatures.h"
 #include "render/lod/morph.h"
 #include "render/lod/radii.h"

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/lod/blend.h"
+#include "render/lod/blend_curve.h"
 #include "tests/expect_error.h"
 #include "tests/render/own_blends.h"
 

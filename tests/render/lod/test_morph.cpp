@@ -5,6 +5,7 @@
 #include <bit>
 #include <random>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "render/lod/morph.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/render/own_blends.h"

@@ -7,6 +7,8 @@
 #include <random>
 #include <set>
 
+#include "core/hierarchy/model/distance_metric.h"
+#include "render/lod/limits.h"
 #include "render/lod/residency.h"
 #include "tests/render/lod/random_tables.h"
 
@@ -123,7 +125,7 @@ class Loader {
       : tables_(tables),
         budget_(budget),
         random_(seed),
-        residency_(tables.hierarchy, tables.bytes, root_bytes, {budget, uniform(random_, 0.1f, 0.5f)}) {}
+        residency_(tables.hierarchy, tables.bytes, root_bytes, budget, uniform(random_, 0.1f, 0.5f)) {}
 
   // A frame; true if it differs from the one before.
   bool draw(Vec3f viewpoint) {

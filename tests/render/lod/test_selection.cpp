@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include "core/hierarchy/model/distance_metric.h"
 #include "render/camera/camera.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"

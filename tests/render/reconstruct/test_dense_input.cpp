@@ -7,7 +7,7 @@
 #include <random>
 #include <tuple>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/survey.h"
 #include "render/reconstruct/views/choose_views.h"

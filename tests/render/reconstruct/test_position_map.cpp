@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
-#include "render/position_map/map_renderer.h"
+#include "render/position_map/position_map.h"
 #include "render/reconstruct/views/condense_map.h"
 #include "tests/render/reconstruct/obvious_map.h"
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "render/frame/shading.h"
 #include "tests/render/viewer/two_tori.h"
 
 namespace lodestone::viewer {

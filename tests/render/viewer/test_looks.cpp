@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "core/mesh/up_axis.h"
 #include "render/effects/plan.h"
 #include "tests/render/viewer/two_tori.h"
 
@@ -37,7 +38,7 @@ TEST(Looks, AreBroughtIntoRange) {
   EXPECT_EQ(tame.lighting.head, 0);
   EXPECT_EQ(tame.lighting.directional.strength, 10);
   EXPECT_EQ(tame.towards_light, Looks{}.towards_light);
-  EXPECT_EQ(tame.background, (Vec3f{shading::background.x, 1, 0}));
+  EXPECT_EQ(tame.background, (Vec3f{FrameSettings{}.background.x, 1, 0}));
   EXPECT_EQ(tame.fog.density, 0);
   EXPECT_EQ(tame.ambient_occlusion.strength, 1);
   EXPECT_EQ(tame.ambient_occlusion.radius, 0);

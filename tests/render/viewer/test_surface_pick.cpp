@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "render/frame/appearance.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/controls/navigation.h"
 #include "tests/render/textured_models.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/distance_metric.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "render/frame/shading.h"

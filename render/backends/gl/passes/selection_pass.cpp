@@ -7,6 +7,7 @@
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/device/program.h"
 #include "render/backends/gl/shaders/exact_root.h"
+#include "render/lod/limits.h"
 
 namespace lodestone {
 namespace {

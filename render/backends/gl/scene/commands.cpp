@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/lod/limits.h"
+
 namespace lodestone {
 namespace {
 

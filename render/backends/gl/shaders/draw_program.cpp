@@ -13,6 +13,7 @@
 #include "render/effects/texture_mapping.h"
 #include "render/effects/vertex_colours.h"
 #include "render/frame/shading.h"
+#include "render/lod/blend_curve.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {

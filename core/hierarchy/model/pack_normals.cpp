@@ -1,10 +1,8 @@
-#include "core/hierarchy/model/packed_normal.h"
+#include "core/hierarchy/model/pack_normals.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "core/hierarchy/model/pack_normals.h"
 
 namespace lodestone {
 namespace {

@@ -1,6 +1,6 @@
 // A pinhole camera as a matrix. Everything is computed in double and rounded once at the end, so that
 // equal cameras give equal bits whatever called before.
-#include "render/camera/camera.h"
+#include "render/camera/view.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/hierarchy.h"
+#include "render/camera/placement.h"
 
 namespace lodestone {
 namespace {
