@@ -97,7 +97,6 @@ MeshPtr generate(const std::string& shape_name, const py::kwargs& given) {
 
 std::vector<std::string> save_mesh(const RawMesh& mesh, const fs::path& path) {
   const py::gil_scoped_release free;
-  using lodestone::view_of;
   if (mesh.wedges.corners.empty()) return write_mesh(path, mesh);
   const RawMesh split = split_wedges(mesh);
   return write_mesh(path, split);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/spatial/point_triangle.h"
 #include "experiments/systems/surface/surface_distance.h"

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {

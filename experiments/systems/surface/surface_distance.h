@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spatial/triangle_bvh.h"
 #include "parallel/scheduler/scheduler.h"

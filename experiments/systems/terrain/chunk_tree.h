@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "experiments/systems/terrain/height_field.h"
 #include "experiments/systems/terrain/right_triangles.h"
 

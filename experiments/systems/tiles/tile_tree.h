@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/box3.h"
+#include "core/math/vec3.h"
 #include "experiments/systems/surface/part_mesh.h"
 #include "experiments/systems/surface/welded_surface.h"
 #include "parallel/scheduler/scheduler.h"
