@@ -224,8 +224,8 @@ class Build(CommandCase):
 
 class Compressed(CommandCase):
     def test_compressed_files_are_small_and_verify(self):
-        plain = self.results("build", sphere(), "-o", "plain.lode", "--levels", 3)
-        packed = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress")
+        plain = self.results("build", sphere(), "-o", "plain.lode", "--levels", 3, "--sigma0", 0.2)
+        packed = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress", "--sigma0", 0.2)
         self.assertEqual(packed["file_bytes"], (self.folder / "m.lode").stat().st_size)
         self.assertEqual(plain["file_bytes"], (self.folder / "plain.lode").stat().st_size)
         self.assertLess(packed["bytes_per_stored_triangle"], 12)
@@ -301,7 +301,7 @@ class InfoVerifyExport(CommandCase):
         self.write("m.ply", ply(points, front + [corners[::-1] for corners in front]))
         result = self.results("info", "m.ply")
         self.assertEqual((result["border_edges"], result["non_manifold_edges"]), (0, n * n + 2 * n * (n - 1)))
-        build = ("-o", "m.lode", "--cell-triangles", 500)
+        build = ("-o", "m.lode", "--cell-triangles", 500, "--sigma0", 0.2)
         self.assertRegex(self.lodestone("build", "m.ply", *build), "note: stored are .* more than two triangles meet.*info")
         self.assertNotIn("note: stored are", self.lodestone("build", sphere(), *build))
 
