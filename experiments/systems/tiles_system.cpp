@@ -16,7 +16,7 @@ class TilePatches final : public Patches {
     const WeldedSurface surface = welded_surface(model, "tiles-replace");
     tiles_ = build_tile_tree(surface, {}, scheduler);
     const std::vector<std::uint8_t> on_border = border_vertices(surface);
-    for (const Tile& tile : tiles_) {
+    for (const TileNode& tile : tiles_) {
       std::vector<PackedNormal> normals;
       for (const std::uint32_t v : tile.mesh.vertices) normals.push_back(surface.normals[v]);
       std::vector<CellId>& cells = cells_of_.emplace_back();
@@ -41,7 +41,7 @@ class TilePatches final : public Patches {
   }
 
  private:
-  std::vector<Tile> tiles_;
+  std::vector<TileNode> tiles_;
   std::vector<std::vector<CellId>> cells_of_;  // by tile: its own, and that of its skirt if it has one
   std::vector<bool> is_skirt_;                 // by cell
   PatchHierarchy cells_;

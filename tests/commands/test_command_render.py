@@ -246,7 +246,7 @@ class Render(CommandCase):
             {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 30}]}))
         result = self.fly("--camera", "path.json", frames=5)
         self.assert_seamless(result)
-        self.assertLess(result["frames"][0]["triangles"], result["frames"][-1]["triangles"])
+        self.assertLess(result["frames"][0]["surface_triangles"], result["frames"][-1]["surface_triangles"])
 
     def test_zooming_does_not_pop(self):
         key = {"position": [5, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]}

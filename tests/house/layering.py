@@ -123,16 +123,34 @@ def folder_violations(root, files):
             yield f"{listing}: does not open with one comment line on what the folder is"
 
 
+def twins(headers):
+    """Types of one name in one namespace, from (path, code) of headers: the linker takes the functions of either for both."""
+    homes = collections.defaultdict(list)
+    for path, code in headers:
+        space = ""
+        for line in code.splitlines():
+            if found := re.match(r"namespace ?([\w:]*) ?\{", line):
+                space = found[1] or "unnamed"
+            found = re.match(r"(?:template ?<.*> ?)?(?:struct|class)(?: \[\[\w+\]\])? (\w+)(?: final)?(?: ?:[^:].*)? ?\{", line)
+            if found and path.parts[0] in LAYERS and space.startswith("lodestone"):
+                homes[space, found[1]].append(str(path))
+    for (space, name), paths in homes.items():
+        if len(set(paths)) > 1:
+            yield f"{space}::{name}: is declared in {' and '.join(sorted(set(paths)))}"
+
+
 def violations(root):
     """One line for every violation of the layering below `root`."""
     root = pathlib.Path(root)
     files = [path for path in sources.files(root)
              if path.parts[0] in [*LAYERS, *SEES_ALL] and not {"consumer", "component"}.intersection(path.parts)]
     yield from folder_violations(root, files)
-    includes = []
+    includes, headers = [], []
     for path in files:
         if path.suffix in {".h", ".cpp"}:
             code = without_comments(sources.text(root, path))
+            if path.suffix == ".h":
+                headers.append((path, code))
             yield from include_violations(root, path, code)
             includes += [(path, included) for included in quoted(code)]
             rules = CONFINED
@@ -144,6 +162,7 @@ def violations(root):
         yield from (f"{path}: names {rule.what}, which belongs to {rule.allowed}"
                     for rule in rules if rule.violated_by(path, code))
     yield from circles(includes)
+    yield from twins(headers)
 
 
 def main():

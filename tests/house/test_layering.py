@@ -87,6 +87,13 @@ class Checker(unittest.TestCase):
             "core/x/b/1.h": '#include "core/y/1.h"\n', "core/y/1.h": '#include "core/0.h"\n', "core/0.h": "",
         }), [])
 
+    def test_refuses_types_of_one_name(self):
+        tile = "namespace lodestone {\nstruct Tile {\n};\n}\n"
+        self.assertEqual(self.found({"core/a/a.h": tile, "core/b/b.h": tile.replace("lodestone", "lodestone::b"),
+                                     "core/b/c.cpp": tile, "core/b/d.h": "namespace lodestone {\nstruct Tile;\n}\n"}), [])
+        self.assert_refused({"core/a/a.h": tile, "render/b.h": tile.replace("struct Tile", "class Tile final : public A")},
+                            "lodestone::Tile", "core/a/a.h and render/b.h")
+
     def test_refuses_folders_that_are_full_or_do_not_say_what_they_are(self):
         files = {f"core/a{i}.{kind}": "" for i in range(layering.MAX_SUBJECTS) for kind in ["h", "cpp"]}
         self.assertEqual(self.found(files), [])

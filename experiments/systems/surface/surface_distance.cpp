@@ -24,7 +24,7 @@ double farthest(std::span<const Vec3f> points, const TriangleBvh& other, Schedul
 }
 
 // Corners and middles in the order of the triangles: points side by side are near each other, as these are.
-std::vector<Vec3f> samples_of(const MeshView& mesh) {
+std::vector<Vec3f> samples_of(const SurfaceView& mesh) {
   std::vector<std::uint8_t> seen(mesh.positions.size(), 0);
   std::vector<Vec3f> samples;
   for (const auto& [v] : mesh.triangles) {
@@ -38,13 +38,13 @@ std::vector<Vec3f> samples_of(const MeshView& mesh) {
 
 }  // namespace
 
-TriangleBvh tree_of(const MeshView& mesh) {
+TriangleBvh tree_of(const SurfaceView& mesh) {
   std::vector<Vec3d> places;
   for (const Vec3f p : mesh.positions) places.push_back(to_double(p));
   return {places, mesh.triangles};
 }
 
-double surface_distance(const MeshView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
+double surface_distance(const SurfaceView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
                         Scheduler& scheduler) {
   return std::max(farthest(samples_of(mesh), full, scheduler), farthest(points, tree_of(mesh), scheduler));
 }

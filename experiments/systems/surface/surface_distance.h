@@ -11,16 +11,16 @@
 
 namespace lodestone {
 
-struct MeshView {
+struct SurfaceView {
   std::span<const Vec3f> positions;
   std::span<const Triangle> triangles;  // at least one
 };
 
-[[nodiscard]] TriangleBvh tree_of(const MeshView& mesh);
+[[nodiscard]] TriangleBvh tree_of(const SurfaceView& mesh);
 
 // `points`: the vertices that the mesh stands for; `full`: the surface that they are of. Several times faster where
 // points, and triangles, are near those beside them.
-[[nodiscard]] double surface_distance(const MeshView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
+[[nodiscard]] double surface_distance(const SurfaceView& mesh, std::span<const Vec3f> points, const TriangleBvh& full,
                                       Scheduler& scheduler);
 
 }  // namespace lodestone

@@ -20,14 +20,14 @@ class TreeBuilder {
   TreeBuilder(const WeldedSurface& surface, const TileTreeConfig& config, Scheduler& scheduler)
       : surface_(surface), config_(config), scheduler_(scheduler) {}
 
-  std::vector<Tile> build() {
+  std::vector<TileNode> build() {
     sort_triangles();
     plan();
     const TriangleBvh full = tree_of({surface_.positions, surface_.triangles});
     tiles_.resize(cubes_.size());
     scheduler_.for_chunks(cubes_.size(), 1, [&](ChunkRange range) { fill(range.begin, full); });
     for (std::size_t t = cubes_.size(); t-- > 0;) add_children(tiles_[t]);
-    for (Tile& tile : tiles_)
+    for (TileNode& tile : tiles_)
       for (std::uint32_t c = 0; c < tile.child_count; ++c) tiles_[tile.first_child + c].gap = 2 * tile.error;
     tiles_.front().gap = 2 * tiles_.front().error;
     return std::move(tiles_);
@@ -70,7 +70,7 @@ class TreeBuilder {
 
   void fill(std::size_t number, const TriangleBvh& full) {
     const Cube& cube = cubes_[number];
-    Tile& tile = tiles_[number];
+    TileNode& tile = tiles_[number];
     tile.first_child = cube.first_child, tile.child_count = cube.child_count;
     tile.mesh = part_mesh(std::span(triangles_).subspan(cube.begin, cube.end - cube.begin), surface_.positions);
     if (cube.child_count > 0) {
@@ -91,9 +91,9 @@ class TreeBuilder {
     mesh = part_mesh(of_surface, surface_.positions);
   }
 
-  void add_children(Tile& tile) const {
+  void add_children(TileNode& tile) const {
     for (std::uint32_t c = 0; c < tile.child_count; ++c) {
-      const Tile& child = tiles_[tile.first_child + c];
+      const TileNode& child = tiles_[tile.first_child + c];
       tile.box.extend(child.box);
       tile.error = std::max(tile.error, child.error);
     }
@@ -105,7 +105,7 @@ class TreeBuilder {
   std::vector<Triangle> triangles_;
   std::vector<std::uint64_t> code_;  // of each
   std::vector<Cube> cubes_;
-  std::vector<Tile> tiles_;
+  std::vector<TileNode> tiles_;
 };
 
 // The border with its direction in the triangles.
@@ -122,7 +122,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges(const PartMesh& 
 
 }  // namespace
 
-std::vector<Tile> build_tile_tree(const WeldedSurface& surface, const TileTreeConfig& config, Scheduler& scheduler) {
+std::vector<TileNode> build_tile_tree(const WeldedSurface& surface, const TileTreeConfig& config,
+                                      Scheduler& scheduler) {
   if (surface.triangles.empty()) return {};
   return TreeBuilder(surface, config, scheduler).build();
 }
@@ -136,7 +137,7 @@ std::vector<std::uint8_t> border_vertices(const WeldedSurface& surface) {
   return on_border;
 }
 
-Skirt skirt_of(const Tile& tile, const WeldedSurface& surface, std::span<const std::uint8_t> on_border) {
+Skirt skirt_of(const TileNode& tile, const WeldedSurface& surface, std::span<const std::uint8_t> on_border) {
   Skirt skirt;
   const auto hang = [&](std::uint32_t v) {
     const std::uint32_t of_surface = tile.mesh.vertices[v];
@@ -155,13 +156,13 @@ Skirt skirt_of(const Tile& tile, const WeldedSurface& surface, std::span<const s
   return skirt;
 }
 
-std::vector<std::uint32_t> tiles_for(std::span<const Tile> tiles, Vec3f viewpoint, double reach) {
+std::vector<std::uint32_t> tiles_for(std::span<const TileNode> tiles, Vec3f viewpoint, double reach) {
   std::vector<std::uint32_t> drawn, open;
   if (!tiles.empty()) open.push_back(0);
   while (!open.empty()) {
     const std::uint32_t t = open.back();
     open.pop_back();
-    const Tile& tile = tiles[t];
+    const TileNode& tile = tiles[t];
     const bool enough = tile.error * reach <= distance(DistanceMetric::euclidean, viewpoint, tile.box);
     if (enough || tile.child_count == 0)
       drawn.push_back(t);

@@ -14,7 +14,7 @@
 
 namespace lodestone {
 
-struct Tile {
+struct TileNode {
   PartMesh mesh;
   Box3f box;         // of it and of the tiles below
   double error = 0;  // largest distance from the surface in the cube, both ways, and at least that of the tiles below
@@ -27,8 +27,8 @@ struct TileTreeConfig {
 };
 
 // The root comes first. By meshoptimizer. The same for any number of threads.
-[[nodiscard]] std::vector<Tile> build_tile_tree(const WeldedSurface& surface, const TileTreeConfig& config,
-                                                Scheduler& scheduler);
+[[nodiscard]] std::vector<TileNode> build_tile_tree(const WeldedSurface& surface, const TileTreeConfig& config,
+                                                    Scheduler& scheduler);
 
 // Ribbons that hang from the border of a tile, against the normals, as deep as its gap; without the parts where the
 // surface itself ends. `on_border`: by vertex of the surface.
@@ -37,13 +37,14 @@ struct Skirt {
   std::vector<PackedNormal> normals;
   std::vector<Triangle> triangles;
 };
-[[nodiscard]] Skirt skirt_of(const Tile& tile, const WeldedSurface& surface, std::span<const std::uint8_t> on_border);
+[[nodiscard]] Skirt skirt_of(const TileNode& tile, const WeldedSurface& surface,
+                             std::span<const std::uint8_t> on_border);
 
 // By vertex: 1 where the surface ends.
 [[nodiscard]] std::vector<std::uint8_t> border_vertices(const WeldedSurface& surface);
 
 // The tiles that are drawn, by number: those that are good enough, or have no children, and whose parents are not. An
 // error of 1 is within the tolerance from `reach` on.
-[[nodiscard]] std::vector<std::uint32_t> tiles_for(std::span<const Tile> tiles, Vec3f viewpoint, double reach);
+[[nodiscard]] std::vector<std::uint32_t> tiles_for(std::span<const TileNode> tiles, Vec3f viewpoint, double reach);
 
 }  // namespace lodestone

@@ -56,7 +56,7 @@ BorderLoops link_borders(std::span<const std::vector<FoundEdge>> found, std::siz
 }  // namespace
 
 SeamMesh cut_out_seams(std::span<const MergeView> views, std::span<const std::uint32_t> parts, const PixelFlags& flags,
-                       const Patches& patches, Gathered& gathered, Scheduler& scheduler) {
+                       const ViewPatches& patches, Gathered& gathered, Scheduler& scheduler) {
   const MergedMesh& mesh = gathered.mesh;
   const std::size_t first = gathered.far, count = mesh.position.size() - first;
   constexpr std::size_t grain = 4096;

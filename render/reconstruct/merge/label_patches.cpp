@@ -45,8 +45,8 @@ std::vector<std::uint32_t> label_view(const MergeView& view, PixelArray<std::uin
 
 }  // namespace
 
-Patches label_patches(std::span<const MergeView> views, Scheduler& scheduler) {
-  Patches patches;
+ViewPatches label_patches(std::span<const MergeView> views, Scheduler& scheduler) {
+  ViewPatches patches;
   patches.of_cell.resize(views.size());
   std::vector<std::vector<std::uint32_t>> sizes(views.size());
   scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {

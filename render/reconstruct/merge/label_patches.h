@@ -10,11 +10,11 @@
 
 namespace lodestone {
 
-struct Patches {
+struct ViewPatches {
   std::vector<PixelArray<std::uint32_t>> of_cell;  // of each view's cells; anything where nothing is kept
   std::vector<std::uint32_t> triangles;            // of each patch, how many
 };
 
-[[nodiscard]] Patches label_patches(std::span<const MergeView> views, Scheduler& scheduler);
+[[nodiscard]] ViewPatches label_patches(std::span<const MergeView> views, Scheduler& scheduler);
 
 }  // namespace lodestone

@@ -55,7 +55,7 @@ std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config,
   return sum;
 }
 
-void sew(SeamMesh& seam, const Patches& patches, const MergeConfig& config, StitchReport& report,
+void sew(SeamMesh& seam, const ViewPatches& patches, const MergeConfig& config, StitchReport& report,
          Scheduler& scheduler) {
   const auto spacing = static_cast<float>(config.ownership.reference_spacing);
   ZipConfig zip{.spacing = spacing, .rims = config.closed, .most_handles = config.most_handles};
@@ -98,7 +98,7 @@ MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchR
   report.islands = own_views(views, ownership, scheduler);
   const PixelFlags flags = find_borders(views, scheduler);
   Gathered gathered = gather(views, kept_cells, flags, scheduler);
-  const Patches patches = label_patches(views, scheduler);
+  const ViewPatches patches = label_patches(views, scheduler);
   report.own = own_clock.elapsed();
   const CpuClock zip_clock;
   SeamMesh seam = cut_out_seams(views, config.ownership.parts, flags, patches, gathered, scheduler);

@@ -80,7 +80,7 @@ TEST(SurfaceDistance, IsTheLargestOfBothWays) {
   const std::vector<Vec3f> full{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.25f}};
   const std::vector<Triangle> fine{{{0, 1, 3}}, {{0, 3, 2}}}, flat{{{0, 1, 2}}};
   const auto scheduler = make_serial_scheduler();
-  const MeshView coarse{std::span(full).first(3), flat};
+  const SurfaceView coarse{std::span(full).first(3), flat};
   const double upwards = surface_distance(coarse, full, tree_of({full, fine}), *scheduler);
   EXPECT_NEAR(upwards, 0.25, 1e-12) << "the vertex that is missing";
   EXPECT_EQ(surface_distance({full, fine}, full, tree_of({full, fine}), *scheduler), 0);

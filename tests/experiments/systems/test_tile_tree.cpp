@@ -25,12 +25,14 @@ const WeldedSurface& surface() {
   return made;
 }
 
-std::vector<Tile> tiles(Scheduler& scheduler) { return build_tile_tree(surface(), {.tile_triangles = 300}, scheduler); }
+std::vector<TileNode> tiles(Scheduler& scheduler) {
+  return build_tile_tree(surface(), {.tile_triangles = 300}, scheduler);
+}
 
 TEST(TileTree, LeavesAreTheSurface) {
-  const std::vector<Tile> all = tiles(*make_serial_scheduler());
+  const std::vector<TileNode> all = tiles(*make_serial_scheduler());
   std::size_t triangles = 0;
-  for (const Tile& tile : all) {
+  for (const TileNode& tile : all) {
     EXPECT_FALSE(tile.mesh.triangles.empty());
     for (std::uint32_t c = 0; c < tile.child_count; ++c) {
       EXPECT_GE(tile.error, all[tile.first_child + c].error);
@@ -46,7 +48,7 @@ TEST(TileTree, LeavesAreTheSurface) {
 }
 
 TEST(TileTree, TilesAreWithinTheToleranceWhereTheyAreSeen) {
-  const std::vector<Tile> all = tiles(*make_serial_scheduler());
+  const std::vector<TileNode> all = tiles(*make_serial_scheduler());
   std::size_t most = 0;
   for_views(30, [&](Vec3f viewpoint, double reach) {
     PartMesh drawn;
@@ -66,11 +68,11 @@ TEST(TileTree, TilesAreWithinTheToleranceWhereTheyAreSeen) {
 }
 
 TEST(TileTree, SkirtsHangFromTheCutsAlone) {
-  const std::vector<Tile> all = tiles(*make_serial_scheduler());
+  const std::vector<TileNode> all = tiles(*make_serial_scheduler());
   const std::vector<std::uint8_t> closed = border_vertices(surface());
   EXPECT_EQ(std::ranges::count(closed, 1), 0);
   EXPECT_TRUE(skirt_of(all.front(), surface(), closed).triangles.empty()) << "the root is a whole torus";
-  for (const Tile& tile : all) {
+  for (const TileNode& tile : all) {
     const Skirt skirt = skirt_of(tile, surface(), closed);
     if (tile.child_count == 0) {
       EXPECT_FALSE(skirt.triangles.empty());
@@ -82,14 +84,14 @@ TEST(TileTree, SkirtsHangFromTheCutsAlone) {
   const WeldedSurface field = welded_surface(terrain(), "test");
   const std::vector<std::uint8_t> ends = border_vertices(field);
   EXPECT_EQ(std::ranges::count(ends, 1), 2 * (150 + 101) - 4);
-  const std::vector<Tile> whole =
+  const std::vector<TileNode> whole =
       build_tile_tree(field, {.tile_triangles = field.triangles.size()}, *make_serial_scheduler());
   ASSERT_EQ(whole.size(), 1u);
   EXPECT_TRUE(skirt_of(whole.front(), field, ends).triangles.empty()) << "the surface itself ends there";
 }
 
 TEST(TileTree, IsTheSameForAnyNumberOfThreads) {
-  const std::vector<Tile> one = tiles(*make_serial_scheduler()), three = tiles(*make_tbb_scheduler(3));
+  const std::vector<TileNode> one = tiles(*make_serial_scheduler()), three = tiles(*make_tbb_scheduler(3));
   ASSERT_EQ(one.size(), three.size());
   for (std::size_t t = 0; t < one.size(); ++t) {
     EXPECT_EQ(one[t].mesh.vertices, three[t].mesh.vertices);

@@ -26,7 +26,7 @@ TEST(LabelPatches, AreWhatAFloodFinds) {
     }
   const std::vector<MergeView> views{view, view};
   const auto scheduler = make_serial_scheduler();
-  const Patches patches = label_patches(views, *scheduler);
+  const ViewPatches patches = label_patches(views, *scheduler);
   // Triangles with their cells; over shared edges from one to the next.
   std::vector<std::pair<Triangle, std::size_t>> triangles;
   for (std::size_t i = 0; i < view.kept.size(); ++i)
