@@ -63,7 +63,7 @@ TEST_F(Studies, AStepPopsAndDoesNotCrack) {
 TEST_F(Studies, DiscreteLevelsCrackOnThePathOnWhichTheMorphDoesNot) {
   generate_ply({Shape::sphere, 30000, 1}, sphere_, *make_serial_scheduler());
   const auto row = [&](const char* system) {
-    const Row path = {{"frames", 3}, {"from", 0.3}, {"to", 0.5}, {"pixel_error", 2.0}};
+    const Row path = {{"frames", 3}, {"from", 0.3}, {"to", 0.5}, {"pixel_error", 2.0}, {"sigma0", 0.2}};
     return rows_of("systems", with(path, {{"system", system}, {"cell_triangles", 200}})).front();
   };
   const Row morph = row("morph"), discrete = row("discrete");
