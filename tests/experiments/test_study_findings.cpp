@@ -121,8 +121,8 @@ TEST_F(Studies, PicturesHaveTheEffectsThatAreAskedForAndTheFullModelHasThem) {
 TEST_F(Studies, WithoutGeomorphAFlightCracksAndPops) {
   generate_ply({Shape::sphere, 30000, 1}, sphere_, *make_serial_scheduler());
   const auto row = [&](const char* effects) {
-    const Row path = {{"frames", 3}, {"from", 0.3}, {"to", 0.5}, {"pixel_error", 2.0}, {"cell_triangles", 200}};
-    const Row given = with(path, {{"effects", effects}});
+    const Row path = {{"frames", 3}, {"from", 0.3}, {"to", 0.5}, {"pixel_error", 2.0}, {"sigma0", 0.2}};
+    const Row given = with(path, {{"effects", effects}, {"cell_triangles", 200}});
     const std::vector<Row> rows = rows_of("flight", given);
     EXPECT_EQ(joined(faults("flight", given, rows)), "") << effects;
     return rows.front();
