@@ -146,7 +146,7 @@ def read(path: _Path, *, attributes: bool = True, fill_voids: bool = False, allo
          up: Optional[str] = None, threads: int = 0, progress: _Progress = None) -> Mesh: ...
 def generate(shape: str, *, triangles: int = 1000000, seed: int = 1, threads: int = 0,
              progress: _Progress = None) -> Mesh: ...
-def build(mesh: _Surface, *, sigma0: float = 0.2, cell_triangles: int = 1200, finest_level: int = -1,
+def build(mesh: _Surface, *, sigma0: float = 0.4, cell_triangles: int = 1200, finest_level: int = -1,
           simplifier: str = 'quadric', placement: Optional[str] = None, strategy: str = 'graph', refine: bool = False,
           refine_limit: float = 10.0, measure_errors: bool = False, texture_levels: bool = False,
           compress: bool = False, lattice_bits: int = 0, threads: int = 0,
