@@ -129,17 +129,18 @@ class Files(ViewCase):
 
     def test_streaming(self):
         """What has come in the end is what the whole file shows; a budget that is too small is kept all the same."""
+        narrow = model("narrow.lode", "build", sphere(), "--levels", 3, "--sigma0", 0.2)
         arguments = ("--camera", self.camera_file(), "--backend", "soft", "--pixel-error", 6)
-        whole = self.view(*arguments)
+        whole = self.view(*arguments, file=narrow)
         shown = whole.picture()
         self.assertEqual(whole.closed()["resident_bytes"], 0)
-        viewer = self.view(*arguments, "--memory-budget", "800KiB")
+        viewer = self.view(*arguments, "--memory-budget", "800KiB", file=narrow)
         self.assertEqual(viewer.settled(2), shown)
         found = viewer.closed()
         self.assertTrue(found["complete"])
         self.assertTrue(0 < found["resident_bytes"] <= 800 * 1024)
         self.assertEqual(found["uploads"], 1)
-        viewer = self.view(*arguments[:-1], 0.2, "--memory-budget", "300KiB")
+        viewer = self.view(*arguments[:-1], 0.2, "--memory-budget", "300KiB", file=narrow)
         self.assertGreater(self.covered(viewer.settled(2)), 20000)
         viewer.press("space", "x", "space")
         found = viewer.closed()
