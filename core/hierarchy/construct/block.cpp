@@ -22,13 +22,6 @@ constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per 
 // larger share would exceed a quarter in ordinary blocks: 0.25 stores 1.351 times the sphere, 0.2 1.329.
 constexpr double min_share = 0.2;
 
-// A simplifier that measures distances searches around the parents and misses stars that are not fans: around
-// non-manifold edges its distances may be many times too large. A block whose largest distance is more than this many
-// times the mean is measured again where it matters. Smooth scans remain below.
-constexpr float doubtful_ratio = 16;
-
-double square(double v) { return v * v; }
-
 class BlockBuilder {
  public:
   BlockBuilder(const BlockInput& input, BlockScratch& scratch)
@@ -65,9 +58,7 @@ class BlockBuilder {
   }
 
   void split(const SimplifyResult& result) {
-    search_ = result.distance.empty() || is_doubtful(result.distance);
-    if (search_) index_images(result);
-    if (result.distance.empty()) s_.searched.resize(s_.positions.size());
+    s_.errors.begin(result, s_.triangles);
     gather_members(result);
     if (attributes_.wedges) join_uses();
     begin_normals();
@@ -171,21 +162,6 @@ class BlockBuilder {
     for (const std::uint32_t p : members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
   }
 
-  [[nodiscard]] static bool is_doubtful(std::span<const float> distance) {
-    float largest = 0, sum = 0;
-    for (const float d : distance) largest = std::max(largest, d), sum += d;
-    return largest * static_cast<float>(distance.size()) > doubtful_ratio * sum;
-  }
-
-  void index_images(const SimplifyResult& result) {
-    s_.images.resize(s_.triangles.size());
-    for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
-      const auto& v = s_.triangles[t].v;
-      s_.images[t] = {{result.parent[v[0]], result.parent[v[1]], result.parent[v[2]]}};
-    }
-    s_.surface.reset(s_.images, result.positions);
-  }
-
   // Lists the survivors that each parent cell uses, in order of appearance, and for each survivor which of the at most
   // eight parents use it. Without a branch, since new survivors are unpredictable: writes at most one item too many.
   void gather_members(const SimplifyResult& result) {
@@ -278,68 +254,16 @@ class BlockBuilder {
 
   // Stores P of the child's vertices, and the distance by which it moves them.
   void link_child(const SimplifyResult& result, CellBuild& child, CellBuild& parent, std::size_t first_vertex) {
+    const auto block_id = std::span<const std::uint32_t>(s_.block_id).subspan(first_vertex, child.vertex_count());
     double farthest2 = 0;
-    float distance = 0;
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-      const std::uint32_t v = s_.block_id[first_vertex + i], p = result.parent[v];
+      const std::uint32_t p = result.parent[block_id[i]];
       child.slab.parents[i] = s_.local[p];
       const Vec3d moved = to_double(result.positions[p]) - to_double(child.slab.positions[i]);
       farthest2 = std::max(farthest2, dot(moved, moved));
-      if (!result.distance.empty()) distance = std::max(distance, result.distance[v]);
     }
     child.max_displacement = float_above(std::sqrt(farthest2));
-    if (search_) distance = search_distance(result, child, first_vertex);
-    distance = std::min(distance, child.max_displacement);
-    carry_errors(result, child, distance, first_vertex, parent);
-  }
-
-  // The errors of the parent's vertices from those of the child's, which lie at most `most` off the surface. Its own is
-  // the largest of them: where a child is worst, and where its vertices go farthest, are seldom the same place.
-  void carry_errors(const SimplifyResult& result, const CellBuild& child, float most, std::size_t first_vertex,
-                    CellBuild& parent) {
-    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-      const std::uint32_t v = s_.block_id[first_vertex + i];
-      const float below = child.vertex_errors.empty() ? child.error : child.vertex_errors[i];
-      const float distance = std::min((result.distance.empty() ? s_.searched : result.distance)[v], most);
-      float& error = parent.vertex_errors[child.slab.parents[i]];
-      error = std::max(error, float_up(double{below} + distance));
-      parent.error = std::max(parent.error, error);
-    }
-  }
-
-  // A triangle has the largest error of its corners.
-  static void fill_border_errors(CellBuild& parent) {
-    const std::vector<float>& of = parent.vertex_errors;
-    const std::size_t first = parent.first_shared();
-    parent.border_errors.assign(of.begin() + static_cast<std::ptrdiff_t>(first), of.end());
-    for (const Triangle& t : parent.triangles) {
-      if (std::max({t.v[0], t.v[1], t.v[2]}) < first) continue;
-      const float largest = std::max({of[t.v[0]], of[t.v[1]], of[t.v[2]]});
-      for (const std::uint32_t v : t.v)
-        if (v >= first) parent.border_errors[v - first] = std::max(parent.border_errors[v - first], largest);
-    }
-  }
-
-  // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
-  // and the largest distance, the figure that matters, remains exact. All are where the simplifier has measured none.
-  float search_distance(const SimplifyResult& result, const CellBuild& child, std::size_t first_vertex) {
-    double squared = 0.5625 * off_surface2_;
-    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-      const std::uint32_t v = s_.block_id[first_vertex + i], p = result.parent[v];
-      const Vec3f from = child.slab.positions[i];
-      const Vec3d moved = to_double(result.positions[p]) - to_double(from);
-      double bound = dot(moved, moved);
-      if (!result.distance.empty()) bound = std::min(bound, square(result.distance[v]));
-      if (result.distance.empty()) {
-        const double own = bound > 0 ? std::min(bound, s_.surface.farther(0, from, VertexId(p))) : 0;
-        s_.searched[v] = float_above(std::sqrt(own));
-        squared = std::max(squared, own);
-      } else if (bound > squared) {
-        squared = s_.surface.farther(squared, from, VertexId(p));
-      }
-    }
-    off_surface2_ = std::max(off_surface2_, squared);
-    return float_above(std::sqrt(squared));
+    s_.errors.add(child, block_id, parent);
   }
 
   // Appends the child's triangles under P, by the parent's local ids, to the `kept` ones; degenerate ones are dropped,
@@ -404,8 +328,6 @@ class BlockBuilder {
   Lattice lattice_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
-  bool search_ = false;                      // distances are searched for, not those of the simplifier
-  double off_surface2_ = 0;                  // largest squared distance so far of a vertex from the coarse surface
 };
 
 }  // namespace

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/base/key_numbers.h"
+#include "core/hierarchy/construct/block_errors.h"
 #include "core/hierarchy/construct/block_normals.h"
 #include "core/hierarchy/construct/block_wedges.h"
 #include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/construct/cell_table.h"
-#include "core/hierarchy/construct/star_distance.h"
 #include "core/simplify/contract/simplifier.h"
 
 namespace lodestone {
@@ -46,10 +46,7 @@ struct BlockScratch {
   BlockNormals coarse_normals;
   std::vector<Float4> normal_sums;            // of the triangles at each vertex of the parent being made
   std::vector<std::uint32_t> shared_members;  // survivors that the parent being made shares, by local id
-  // For simplifiers that do not measure distances.
-  std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
-  StarDistance surface;          // of the images
-  std::vector<float> searched;   // by vertex: its distance from them
+  BlockErrors errors;
 };
 
 struct BlockInput {

@@ -1,0 +1,40 @@
+// How far the vertices that a block makes may be from the finest surface: what their children may be, and how far each
+// child lies from the coarser surface, added up vertex by vertex.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/hierarchy/construct/cell_build.h"
+#include "core/hierarchy/construct/star_distance.h"
+#include "core/simplify/contract/simplifier.h"
+
+namespace lodestone {
+
+class BlockErrors {
+ public:
+  // Takes the distances of the simplifier. They are searched for here if it has measured none; and if they are
+  // doubtful, searched for the largest, which bounds the others. `triangles`: those that were simplified. What is given
+  // must outlive add().
+  void begin(const SimplifyResult& result, std::span<const Triangle> triangles);
+
+  // To the errors of the parent's vertices, and to its own, those by way of a child, whose parents and largest
+  // displacement are known. `block_id`: of each of its vertices.
+  void add(const CellBuild& child, std::span<const std::uint32_t> block_id, CellBuild& parent);
+
+ private:
+  [[nodiscard]] double search_vertex(Vec3f from, std::uint32_t vertex);
+  [[nodiscard]] float search_largest(const CellBuild& child, std::span<const std::uint32_t> block_id);
+
+  const SimplifyResult* result_ = nullptr;
+  bool is_doubtful_ = false;
+  double largest2_ = 0;           // squared distance so far of a vertex, of those that are searched for
+  std::vector<Triangle> images_;  // of the triangles under P, degenerate ones included
+  StarDistance surface_;          // of the images
+};
+
+// Those of the shared vertices of a cell with triangles: a triangle has the largest error of its corners.
+void fill_border_errors(CellBuild& cell);
+
+}  // namespace lodestone
