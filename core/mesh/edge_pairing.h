@@ -19,7 +19,10 @@ struct EdgeTriangle {
 };
 
 // By coordinates, so that decisions do not depend on how vertices are numbered.
-[[nodiscard]] inline bool is_lower(Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+template <class Vec3>
+[[nodiscard]] bool is_lower(const Vec3& a, const Vec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
 
 // Names (backward, forward) of triangles that bound the same solid; each is in one pair at most, and none remains if as
 // many run forward as backward. is_lower(low, high) holds. At most quadratic in the number of triangles.

@@ -1,8 +1,8 @@
 #include "experiments/systems/patch_proof.h"
 
 #include <algorithm>
-#include <tuple>
 
+#include "core/mesh/edge_pairing.h"
 #include "experiments/metrics/cracks/leaks.h"
 #include "experiments/metrics/cracks/t_junctions.h"
 #include "experiments/metrics/drawn/border.h"
@@ -11,10 +11,8 @@
 namespace lodestone {
 namespace {
 
-bool comes_before(Vec3d a, Vec3d b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-
 bool is_in(const std::vector<Vec3d>& ascending, Vec3d p) {
-  return std::ranges::binary_search(ascending, p, comes_before);
+  return std::ranges::binary_search(ascending, p, is_lower<Vec3d>);
 }
 
 }  // namespace
@@ -23,7 +21,7 @@ PatchProof::PatchProof(const DrawnMesh& full, double junction_distance, Schedule
     : junction_distance_(junction_distance), scheduler_(scheduler) {
   for (const BorderEdge& edge : border_edges(full.positions, full.triangles))
     for (const std::uint32_t v : edge.vertex) border_.push_back(full.positions[v]);
-  std::ranges::sort(border_, comes_before);
+  std::ranges::sort(border_, is_lower<Vec3d>);
 }
 
 SurfaceSample PatchProof::measure(const DrawnPatches& drawn, const Screen& screen,
@@ -32,7 +30,7 @@ SurfaceSample PatchProof::measure(const DrawnPatches& drawn, const Screen& scree
   std::vector<Vec3d> moved;  // of the border
   for (std::size_t i = 0; i < drawn.points.places.size(); ++i)
     if (is_in(border_, to_double(drawn.points.points[i]))) moved.push_back(to_double(drawn.points.places[i]));
-  std::ranges::sort(moved, comes_before);
+  std::ranges::sort(moved, is_lower<Vec3d>);
   const auto expected = [&](std::uint32_t v) { return is_in(border_, positions[v]) || is_in(moved, positions[v]); };
 
   SurfaceSample sample;

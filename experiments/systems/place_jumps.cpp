@@ -2,20 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
+
+#include "experiments/metrics/cost/order_statistics.h"
 
 namespace lodestone {
-namespace {
-
-// The smallest way that 99 % of the points do not exceed.
-double p99_of(std::vector<double>& ways) {
-  if (ways.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(std::ceil(0.99 * static_cast<double>(ways.size()))) - 1;
-  std::ranges::nth_element(ways, ways.begin() + at);
-  return ways[static_cast<std::size_t>(at)];
-}
-
-}  // namespace
 
 JumpSample place_jumps(const PlacedFrame& before, const PlacedFrame& after, const Screen& screen) {
   assert(before.places.size() == after.places.size());
@@ -30,7 +20,7 @@ JumpSample place_jumps(const PlacedFrame& before, const PlacedFrame& after, cons
     pixels.push_back(distance(*seen_from, *seen_to));
     sample.pixels = std::max(sample.pixels, pixels.back());
   }
-  sample.p99 = 100 * p99_of(ways), sample.p99_pixels = p99_of(pixels);
+  sample.p99 = 100 * quantile(ways, 0.99), sample.p99_pixels = quantile(pixels, 0.99);
   const double step = length(to_double(after.viewpoint) - to_double(before.viewpoint));
   sample.step = 100 * step;
   if (step > 0) sample.per_step = sample.largest / (100 * step);

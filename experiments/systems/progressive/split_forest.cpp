@@ -105,7 +105,7 @@ class Replay {
     return around(box, std::sqrt(farthest));
   }
 
-  // Where no triangle closes the place, as at the end of a strip: a triangle of the parent stands for the points.
+  // For places that no triangle closes, as at the end of a strip: a triangle of the parent stands for the points.
   SplitForest::Missing take_by_parent(std::uint32_t begin, const std::vector<std::uint32_t>& moved) {
     const std::uint32_t parent = mesh_.parents[begin];
     const Vec3d at = to_double(mesh_.positions[parent]);

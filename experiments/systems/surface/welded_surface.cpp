@@ -5,18 +5,12 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
-#include <tuple>
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/cell_code.h"
+#include "core/mesh/edge_pairing.h"
 
 namespace lodestone {
-namespace {
-
-bool comes_before(Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-
-}  // namespace
-
 WeldedSurface welded_surface(const Hierarchy& model, std::string_view system) {
   if (model.attributes != AttributeSet{})
     throw InputError("the system " + std::string(system) +
@@ -53,10 +47,10 @@ std::vector<PackedNormal> normals_at(const WeldedSurface& surface, std::span<con
   std::vector<std::uint32_t> order(surface.positions.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto place = [&](std::uint32_t v) { return surface.positions[v]; };
-  std::ranges::sort(order, comes_before, place);
+  std::ranges::sort(order, is_lower<Vec3f>, place);
   std::vector<PackedNormal> normals(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const auto at = std::ranges::lower_bound(order, positions[i], comes_before, place);
+    const auto at = std::ranges::lower_bound(order, positions[i], is_lower<Vec3f>, place);
     if (at != order.end() && surface.positions[*at] == positions[i]) normals[i] = surface.normals[*at];
   }
   return normals;

@@ -19,7 +19,7 @@ float between(double u, float from, float to) { return static_cast<float>((1 - u
 
 }  // namespace
 
-// Where a grid ends, half its side away, legs are of twice its spacing.
+// The next grid begins half a side away, with legs of twice the spacing: these are the longest on the screen.
 ClipmapConfig clipmap_for(const HeightField& field, double reach) {
   const double squares = 4 * reach / longest_leg;
   const int most = 4 * std::max(field.columns(), field.rows());  // beyond that, the field is in the finest grid
