@@ -134,11 +134,20 @@ struct Evidence {
   std::vector<Shared> shared;
 };
 
+// The figures of the number of real workers next below.
+const Shared& nearest_to(int workers, const Evidence& evidence) {
+  return *(std::ranges::upper_bound(evidence.shared, workers, {}, &Shared::workers) - 1);
+}
+
+Schedule schedule_on(int workers, const Evidence& evidence) {
+  return list_schedule(evidence.work, {workers, nearest_to(workers, evidence).slowdown});
+}
+
 Row row_of(int workers, const Evidence& evidence) {
   const auto& [work, of_work, shared] = evidence;
-  const auto& nearest = *(std::ranges::upper_bound(shared, workers, {}, &Shared::workers) - 1);
+  const Shared& nearest = nearest_to(workers, evidence);
   const double most = std::ranges::max(shared, {}, &Shared::rate).rate;
-  const Schedule schedule = list_schedule(work, {workers, nearest.slowdown});
+  const Schedule schedule = schedule_on(workers, evidence);
   Row row{{"workers", workers}, {"predicted", schedule.seconds}};
   row["speedup"] = of_work.work / schedule.seconds, row["efficiency"] = 100 * of_work.work / schedule.seconds / workers;
   row["streaming_speedup"] = std::min(row["speedup"].get<double>(), most / shared.front().rate);
@@ -152,7 +161,9 @@ Row row_of(int workers, const Evidence& evidence) {
 
 // The most workers, up to `most`, with this efficiency or more, by halving: it falls with the workers, nearly.
 int workers_at(double efficiency, const Evidence& evidence, int most) {
-  const auto has = [&](int workers) { return number_in(row_of(workers, evidence), "efficiency") >= 100 * efficiency; };
+  const auto has = [&](int workers) {
+    return evidence.of_work.work >= efficiency * workers * schedule_on(workers, evidence).seconds;
+  };
   int low = 1, high = most + 1;
   while (high - low > 1) (has((low + high) / 2) ? low : high) = (low + high) / 2;
   return low;
