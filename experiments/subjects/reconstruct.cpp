@@ -95,7 +95,7 @@ class ReconstructRun {
     }
     finish(made, mesh_.transform, clock.elapsed(), level);
     if (config_.keep_maps && level == 0)
-      write_map_set(job_.maps, made.maps, {made.report.closed, made.report.oriented}, job_.map_format);
+      write_map_set(job_.maps, *made.maps, {made.report.closed, made.report.oriented}, job_.map_format);
     config_.resolution /= 2;
   }
 

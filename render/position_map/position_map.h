@@ -2,39 +2,15 @@
 // al., see docs/decisions/0020), with further attributes.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 #include "core/mesh/indexed_mesh.h"
+#include "render/position_map/map_view.h"
 #include "render/position_map/pixel_array.h"
 
 namespace lodestone {
-
-// Parallel or central, in normalised model space, double precision.
-enum class Projection : std::uint8_t { orthographic, perspective };
-
-// The centre of pixel (x, y), row 0 on top, is (x + 1/2, y + 1/2) in window coordinates. The depth of a point is its
-// distance from the eye along `forward`.
-struct MapView {
-  Projection projection = Projection::orthographic;
-  Vec3d eye;                                             // orthographic: the centre of the picture at depth 0
-  Vec3d right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  // of unit length, pairwise perpendicular
-  double pixel = 1.0 / 256;                              // side of a pixel; perspective: at depth 1
-  int width = 0, height = 0;                             // pixels
-  double nearest = 0;                                    // surfaces nearer than this depth are cut off; 0: none
-  friend bool operator==(const MapView&, const MapView&) = default;
-
-  [[nodiscard]] std::size_t pixels() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-  [[nodiscard]] double depth(Vec3d p) const { return dot(p - eye, forward); }
-  // Side of a pixel at some depth: the spacing of samples on a surface that faces the view.
-  [[nodiscard]] double spacing(double depth) const {
-    return projection == Projection::perspective ? pixel * depth : pixel;
-  }
-};
 
 inline constexpr std::uint32_t no_triangle = 0xFFFF'FFFFu;
 

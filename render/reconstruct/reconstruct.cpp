@@ -382,7 +382,7 @@ Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& con
                            Scheduler& scheduler) {
   Reconstruction result;
   DrawnMaps drawn = draw_maps(mesh, config, last, result.report, scheduler);
-  if (config.keep_maps) result.maps = drawn.maps;
+  if (config.keep_maps) result.maps = std::make_shared<const std::vector<PositionMap>>(drawn.maps);
   result.mesh = mesh_from_maps(drawn, &mesh, config, result.report, scheduler);
   return result;
 }

@@ -3,16 +3,19 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "render/position_map/position_map.h"
+#include "render/position_map/map_view.h"
 #include "render/reconstruct/report/report.h"
 
 namespace lodestone {
+
+struct PositionMap;  // render/position_map/position_map.h
 
 // shell: what is visible from outside, as one closed surface (outside/shell.h); it needs neither view choice nor parts.
 enum class MergeKind : std::uint8_t { concatenate, stitch, shell };
@@ -43,7 +46,7 @@ struct ReconstructConfig {
 struct Reconstruction {
   RawMesh mesh;  // in the space of the model
   ReconstructReport report;
-  std::vector<PositionMap> maps;  // where they were to be kept
+  std::shared_ptr<const std::vector<PositionMap>> maps;  // where they were to be kept
 };
 
 // Throws InputError for a config out of range. A model of which nothing is seen gives a mesh without triangles.

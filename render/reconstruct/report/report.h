@@ -7,7 +7,7 @@
 
 #include "core/math/vec3.h"
 #include "parallel/scheduler/clock.h"
-#include "render/position_map/position_map.h"
+#include "render/position_map/map_view.h"
 
 namespace lodestone {
 
