@@ -19,17 +19,20 @@ bool is_doubtful(std::span<const float> distance) {
   return largest * static_cast<float>(distance.size()) > doubtful_ratio * sum;
 }
 
-double squared_way(Vec3f from, Vec3f to) {
-  const Vec3d moved = to_double(to) - to_double(from);
-  return dot(moved, moved);
+// A bound of the squared distance of a vertex of the block from the coarser surface.
+double bound2(const SimplifyResult& result, Vec3f from, std::uint32_t vertex) {
+  const Vec3d moved = to_double(result.positions[result.parent[vertex]]) - to_double(from);
+  if (result.distance.empty()) return dot(moved, moved);
+  const double measured = result.distance[vertex];
+  return std::min(dot(moved, moved), measured * measured);
 }
 
 }  // namespace
 
 void BlockErrors::begin(const SimplifyResult& result, std::span<const Triangle> triangles) {
   result_ = &result, largest2_ = 0;
-  is_doubtful_ = is_doubtful(result.distance);
-  if (!result.distance.empty() && !is_doubtful_) return;
+  searches_ = result.distance.empty() || is_doubtful(result.distance);
+  if (!searches_) return;
   images_.resize(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& v = triangles[t].v;
@@ -43,23 +46,16 @@ void BlockErrors::begin(const SimplifyResult& result, std::span<const Triangle> 
 void BlockErrors::add(const CellBuild& child, std::span<const std::uint32_t> block_id, CellBuild& parent) {
   const bool measured = !result_->distance.empty();
   float most = child.max_displacement;
-  if (is_doubtful_) most = std::min(most, search_largest(child, block_id));
+  if (searches_) most = std::min(most, search_largest(child, block_id));
   for (std::size_t i = 0; i < child.vertex_count(); ++i) {
     const std::uint32_t v = block_id[i];
     const float below = child.vertex_errors.empty() ? child.error : child.vertex_errors[i];
     const float own =
-        measured ? result_->distance[v] : float_above(std::sqrt(search_vertex(child.slab.positions[i], v)));
+        measured ? result_->distance[v] : float_above(std::sqrt(bound2(*result_, child.slab.positions[i], v)));
     float& error = parent.vertex_errors[child.slab.parents[i]];
     error = std::max(error, float_up(double{below} + std::min(own, most)));
     parent.error = std::max(parent.error, error);
   }
-}
-
-// The squared distance of a vertex of the block from the coarser surface.
-double BlockErrors::search_vertex(Vec3f from, std::uint32_t vertex) {
-  const std::uint32_t parent = result_->parent[vertex];
-  const double bound = squared_way(from, result_->positions[parent]);
-  return bound > 0 ? std::min(bound, surface_.farther(0, from, VertexId(parent))) : 0;
 }
 
 // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
@@ -67,11 +63,9 @@ double BlockErrors::search_vertex(Vec3f from, std::uint32_t vertex) {
 float BlockErrors::search_largest(const CellBuild& child, std::span<const std::uint32_t> block_id) {
   double squared = 0.5625 * largest2_;
   for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-    const std::uint32_t v = block_id[i], p = result_->parent[v];
     const Vec3f from = child.slab.positions[i];
-    const double given = result_->distance[v];
-    if (std::min(squared_way(from, result_->positions[p]), given * given) > squared)
-      squared = surface_.farther(squared, from, VertexId(p));
+    if (bound2(*result_, from, block_id[i]) > squared)
+      squared = surface_.farther(squared, from, VertexId(result_->parent[block_id[i]]));
   }
   largest2_ = std::max(largest2_, squared);
   return float_above(std::sqrt(squared));

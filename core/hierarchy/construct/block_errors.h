@@ -1,5 +1,5 @@
-// How far the vertices that a block makes may be from the finest surface: what their children may be, and how far each
-// child lies from the coarser surface, added up vertex by vertex.
+// The errors of the vertices that a block makes, their distances from the finest surface: those of their children and
+// the distances of these from the coarser surface, added up vertex by vertex.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace lodestone {
 
 class BlockErrors {
  public:
-  // Takes the distances of the simplifier. They are searched for here if it has measured none; and if they are
-  // doubtful, searched for the largest, which bounds the others. `triangles`: those that were simplified. What is given
-  // must outlive add().
+  // Takes the distances of the simplifier. If it has measured none, or doubtful ones, the largest is searched for,
+  // which bounds the others: to search for each takes as long as simplifying, and longer. `triangles`: those that were
+  // simplified. All that is given must outlive add().
   void begin(const SimplifyResult& result, std::span<const Triangle> triangles);
 
   // To the errors of the parent's vertices, and to its own, those by way of a child, whose parents and largest
@@ -24,12 +24,11 @@ class BlockErrors {
   void add(const CellBuild& child, std::span<const std::uint32_t> block_id, CellBuild& parent);
 
  private:
-  [[nodiscard]] double search_vertex(Vec3f from, std::uint32_t vertex);
   [[nodiscard]] float search_largest(const CellBuild& child, std::span<const std::uint32_t> block_id);
 
   const SimplifyResult* result_ = nullptr;
-  bool is_doubtful_ = false;
-  double largest2_ = 0;           // squared distance so far of a vertex, of those that are searched for
+  bool searches_ = false;
+  double largest2_ = 0;           // squared distance so far of a vertex, if it is searched for
   std::vector<Triangle> images_;  // of the triangles under P, degenerate ones included
   StarDistance surface_;          // of the images
 };
