@@ -1,6 +1,6 @@
 #include "experiments/systems/cluster_dag_system.h"
 
-#include <utility>
+#include <string>
 
 #include "experiments/systems/cluster_dag/cluster_dag.h"
 #include "experiments/systems/surface/patch_hierarchy.h"
@@ -43,13 +43,10 @@ class ClusterPatches final : public Patches {
 }  // namespace
 
 LodSystem cluster_dag_system(bool measured) {
-  LodSystem system;
-  system.description = measured ? "clusters in groups that are exchanged, by measured errors"
-                                : "clusters in groups that are exchanged, by meshoptimizer's errors";
+  const std::string clusters = "clusters in groups that are exchanged, by ";
+  LodSystem system =
+      patch_system<ClusterPatches>(clusters + (measured ? "measured errors" : "meshoptimizer's errors"), measured);
   system.moves_vertices = false;
-  system.patches = [measured](const Hierarchy& model, Scheduler& scheduler) {
-    return std::make_shared<ClusterPatches>(model, measured, scheduler);
-  };
   return system;
 }
 

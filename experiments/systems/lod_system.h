@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -73,6 +74,17 @@ struct LodSystem {
   std::function<std::shared_ptr<Patches>(const Hierarchy&, Scheduler&)> patches = {};
   std::optional<RadiiRule> radii = {};  // instead of the view's
 };
+
+// A system of the patches that System(model, arguments..., scheduler) makes.
+template <class System, class... Arguments>
+[[nodiscard]] LodSystem patch_system(std::string description, Arguments... arguments) {
+  LodSystem system;
+  system.description = std::move(description);
+  system.patches = [arguments...](const Hierarchy& model, Scheduler& scheduler) {
+    return std::make_shared<System>(model, arguments..., scheduler);
+  };
+  return system;
+}
 
 // Makes a system known to the experiment `systems`. Throws InputError for a name that is taken or cannot be one
 // (core/base/registry.h), and for a system with neither parts nor patches, or with both. To be called before any is

@@ -1,7 +1,7 @@
 #include "experiments/systems/progressive_systems.h"
 
 #include <cmath>
-#include <memory>
+#include <string>
 #include <utility>
 
 #include "experiments/systems/progressive/prefix_ladder.h"
@@ -74,22 +74,12 @@ class RefinedMesh final : public Patches {
 }  // namespace
 
 LodSystem progressive_whole_system() {
-  LodSystem system;
-  system.description = "one prefix of a progressive mesh, vertices morphed from prefix to prefix";
+  LodSystem system =
+      patch_system<WholePrefix>("one prefix of a progressive mesh, vertices morphed from prefix to prefix");
   system.keeps_promise = true;
-  system.patches = [](const Hierarchy& model, Scheduler& scheduler) {
-    return std::make_shared<WholePrefix>(model, scheduler);
-  };
   return system;
 }
 
-LodSystem vdpm_system() {
-  LodSystem system;
-  system.description = "a progressive mesh, split where its errors are seen";
-  system.patches = [](const Hierarchy& model, Scheduler& scheduler) {
-    return std::make_shared<RefinedMesh>(model, scheduler);
-  };
-  return system;
-}
+LodSystem vdpm_system() { return patch_system<RefinedMesh>("a progressive mesh, split where its errors are seen"); }
 
 }  // namespace lodestone

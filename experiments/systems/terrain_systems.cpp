@@ -1,9 +1,7 @@
 #include "experiments/systems/terrain_systems.h"
 
 #include <algorithm>
-#include <memory>
 #include <optional>
-#include <utility>
 
 #include "experiments/systems/surface/patch_hierarchy.h"
 #include "experiments/systems/surface/welded_surface.h"
@@ -16,7 +14,7 @@ namespace {
 
 class TerrainChunks final : public Patches {
  public:
-  explicit TerrainChunks(const Hierarchy& model)
+  TerrainChunks(const Hierarchy& model, Scheduler& /*scheduler*/)
       : cells_(model),
         field_(welded_surface(model, "chunked-skirts"), "chunked-skirts"),
         tree_(field_),
@@ -92,7 +90,7 @@ class TerrainChunks final : public Patches {
 
 class NestedGrids final : public Patches {
  public:
-  explicit NestedGrids(const Hierarchy& model)
+  NestedGrids(const Hierarchy& model, Scheduler& /*scheduler*/)
       : cells_(model), field_(welded_surface(model, "clipmap"), "clipmap"), points_(field_.places()) {}
 
   [[nodiscard]] const Hierarchy& hierarchy() const override { return cells_.hierarchy(); }
@@ -120,23 +118,14 @@ class NestedGrids final : public Patches {
   std::optional<Clipmap> grids_;
 };
 
-template <class System>
-LodSystem terrain_system(std::string description) {
-  LodSystem system;
-  system.description = std::move(description);
-  system.patches = [](const Hierarchy& model, Scheduler&) { return std::make_shared<System>(model); };
-  return system;
-}
-
 }  // namespace
 
 LodSystem chunked_system() {
-  return terrain_system<TerrainChunks>(
-      "height fields: chunks of a quadtree with skirts, posts morphed to the parent's");
+  return patch_system<TerrainChunks>("height fields: chunks of a quadtree with skirts, posts morphed to the parent's");
 }
 
 LodSystem clipmap_system() {
-  return terrain_system<NestedGrids>("height fields: nested grids around the viewer, with transition regions");
+  return patch_system<NestedGrids>("height fields: nested grids around the viewer, with transition regions");
 }
 
 }  // namespace lodestone

@@ -1,7 +1,7 @@
 #include "experiments/systems/tiles_system.h"
 
 #include <algorithm>
-#include <memory>
+#include <string>
 
 #include "experiments/systems/surface/patch_hierarchy.h"
 #include "experiments/systems/surface/welded_surface.h"
@@ -50,13 +50,9 @@ class TilePatches final : public Patches {
 }  // namespace
 
 LodSystem tiles_system(bool skirts) {
-  LodSystem system;
-  system.description = skirts ? "tiles that are simplified alone and replace each other, with skirts"
-                              : "tiles that are simplified alone and replace each other";
+  const std::string tiles = "tiles that are simplified alone and replace each other";
+  LodSystem system = patch_system<TilePatches>(tiles + (skirts ? ", with skirts" : ""), skirts);
   system.moves_vertices = false;
-  system.patches = [skirts](const Hierarchy& model, Scheduler& scheduler) {
-    return std::make_shared<TilePatches>(model, skirts, scheduler);
-  };
   return system;
 }
 
