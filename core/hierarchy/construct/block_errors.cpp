@@ -10,8 +10,13 @@ namespace {
 
 // A simplifier that measures distances searches around the parents and misses stars that are not fans: around
 // non-manifold edges its distances may be many times too large. A block whose largest distance is more than this many
-// times the mean is measured again where it matters. Smooth scans remain below.
+// times the mean is measured again. Smooth scans remain below.
 constexpr float doubtful_ratio = 16;
+
+// Distances below this share of the block's largest so far are not distinguished where they are searched for: most
+// vertices are done quickly. A cluster build of a sphere of a million triangles takes 8.5 s of CPU for an eighth, 4.0
+// for a quarter, 1.5 for a half and 1.0 for three quarters, whose errors at the root are a tenth too large.
+constexpr double distinguished = 0.5;
 
 bool is_doubtful(std::span<const float> distance) {
   float largest = 0, sum = 0;
@@ -19,13 +24,7 @@ bool is_doubtful(std::span<const float> distance) {
   return largest * static_cast<float>(distance.size()) > doubtful_ratio * sum;
 }
 
-// A bound of the squared distance of a vertex of the block from the coarser surface.
-double bound2(const SimplifyResult& result, Vec3f from, std::uint32_t vertex) {
-  const Vec3d moved = to_double(result.positions[result.parent[vertex]]) - to_double(from);
-  if (result.distance.empty()) return dot(moved, moved);
-  const double measured = result.distance[vertex];
-  return std::min(dot(moved, moved), measured * measured);
-}
+double square(double v) { return v * v; }
 
 }  // namespace
 
@@ -44,29 +43,23 @@ void BlockErrors::begin(const SimplifyResult& result, std::span<const Triangle> 
 // The error of the parent is the largest of its vertices: where a child is worst, and where its vertices go farthest,
 // are seldom the same place.
 void BlockErrors::add(const CellBuild& child, std::span<const std::uint32_t> block_id, CellBuild& parent) {
-  const bool measured = !result_->distance.empty();
-  float most = child.max_displacement;
-  if (searches_) most = std::min(most, search_largest(child, block_id));
   for (std::size_t i = 0; i < child.vertex_count(); ++i) {
     const std::uint32_t v = block_id[i];
     const float below = child.vertex_errors.empty() ? child.error : child.vertex_errors[i];
-    const float own =
-        measured ? result_->distance[v] : float_above(std::sqrt(bound2(*result_, child.slab.positions[i], v)));
+    const float own = searches_ ? search(child.slab.positions[i], VertexId(v)) : result_->distance[v];
     float& error = parent.vertex_errors[child.slab.parents[i]];
-    error = std::max(error, float_up(double{below} + std::min(own, most)));
+    error = std::max(error, float_up(double{below} + std::min(own, child.max_displacement)));
     parent.error = std::max(parent.error, error);
   }
 }
 
-// Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
-// and the largest distance, the figure that matters, remains exact.
-float BlockErrors::search_largest(const CellBuild& child, std::span<const std::uint32_t> block_id) {
-  double squared = 0.5625 * largest2_;
-  for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-    const Vec3f from = child.slab.positions[i];
-    if (bound2(*result_, from, block_id[i]) > squared)
-      squared = surface_.farther(squared, from, VertexId(result_->parent[block_id[i]]));
-  }
+float BlockErrors::search(Vec3f from, VertexId vertex) {
+  const std::uint32_t parent = result_->parent[vertex];
+  const Vec3d moved = to_double(result_->positions[parent]) - to_double(from);
+  double squared = dot(moved, moved);
+  if (!result_->distance.empty()) squared = std::min(squared, square(result_->distance[vertex]));
+  const double small = distinguished * distinguished * largest2_;
+  if (squared > small) squared = std::min(squared, surface_.farther(small, from, VertexId(parent)));
   largest2_ = std::max(largest2_, squared);
   return float_above(std::sqrt(squared));
 }

@@ -14,9 +14,8 @@ namespace lodestone {
 
 class BlockErrors {
  public:
-  // Takes the distances of the simplifier. If it has measured none, or doubtful ones, the largest is searched for,
-  // which bounds the others: to search for each takes as long as simplifying, and longer. `triangles`: those that were
-  // simplified. All that is given must outlive add().
+  // Takes the distances of the simplifier. If it has measured none, or doubtful ones, they are searched for here.
+  // `triangles`: those that were simplified. All that is given must outlive add().
   void begin(const SimplifyResult& result, std::span<const Triangle> triangles);
 
   // To the errors of the parent's vertices, and to its own, those by way of a child, whose parents and largest
@@ -24,7 +23,7 @@ class BlockErrors {
   void add(const CellBuild& child, std::span<const std::uint32_t> block_id, CellBuild& parent);
 
  private:
-  [[nodiscard]] float search_largest(const CellBuild& child, std::span<const std::uint32_t> block_id);
+  [[nodiscard]] float search(Vec3f from, VertexId vertex);
 
   const SimplifyResult* result_ = nullptr;
   bool searches_ = false;
