@@ -208,10 +208,10 @@ void add_build_job(CommandTable& commands, MpiTransport& transport) {
   };
   const auto both = std::make_shared<Both>();
   const auto run = [both, &transport] {
-    if (both->own.input.empty() == both->own.generator.empty())
-      throw UsageError("one mesh is built: give either a file or --generate");
-    transport.set_timeout(both->own.timeout);
     try {
+      if (both->own.input.empty() == both->own.generator.empty())
+        throw UsageError("one mesh is built: give either a file or --generate");
+      transport.set_timeout(both->own.timeout);
       run_rank(transport, [&] {
         const JobReport report = run_job(both->own, both->common, transport);
         if (transport.rank() != 0) return;

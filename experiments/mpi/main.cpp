@@ -12,7 +12,9 @@ int run_commands(int argc, char** argv) {
   add_build_job(commands, transport);
   install_signal_handlers();
   set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
-  return run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
+  const int status = run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
+  set_interrupt_line("");  // the launcher ends all processes when the first has ended with an error
+  return status;
 }
 
 }  // namespace

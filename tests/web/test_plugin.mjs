@@ -17,14 +17,14 @@ function makeFiles() {
   symlinkSync(source, path.join(folder, 'home/node_modules/lodestone-web'));
   for (const name of ['three', '3d-tiles-renderer']) symlinkSync(path.join(modules, name), path.join(folder, 'home/node_modules', name));
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
-  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250');
+  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250', '--sigma0', '0.2');
   run('export', 'sphere.lode', '--tiles', 'home/sphere', '--morph');
   run('export', 'sphere.lode', '--tiles', 'home/bare');
   writeTorus(80, 50);
-  run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
+  run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250', '--sigma0', '0.2');
   run('export', 'torus.lode', '--tiles', 'home/torus', '--morph');
   writeRough(100, 60);
-  run('build', 'rough.obj', '-o', 'rough.lode', '--cell-triangles', '100');
+  run('build', 'rough.obj', '-o', 'rough.lode', '--cell-triangles', '100', '--sigma0', '0.2');
   run('export', 'rough.lode', '--tiles', 'home/rough', '--morph');
   cutTree('rough');
 }

@@ -85,7 +85,7 @@ async function fly(oracle, {budget = 1e12, latency = 0, frames = 240, rest = 0, 
 function makeOracle() {
   const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
-  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '80');
+  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '80', '--sigma0', '0.2');
   run('export', 'sphere.lode', '--tiles', 'tiles', '--morph');
   return loadOracle(path.join(folder, 'tiles'), library);
 }

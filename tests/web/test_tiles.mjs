@@ -8,19 +8,19 @@ import {loadOracle} from './tile_oracle.mjs';
 
 function makeFiles() {
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
-  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250');
+  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250', '--sigma0', '0.2');
   run('page', 'sphere.lode', '-o', 'tiles');
   run('page', 'sphere.lode', '-o', 'older');
   const older = path.join(folder, 'older/models/sphere/tileset.json'), json = JSON.parse(readFileSync(older));
   delete json.extras.lodestone.signatures;
   writeFileSync(older, JSON.stringify(json));
-  run('build', 'sphere.ply', '-o', 'fine.lode', '--cell-triangles', '60');
+  run('build', 'sphere.ply', '-o', 'fine.lode', '--cell-triangles', '60', '--sigma0', '0.2');
   run('page', 'fine.lode', '-o', 'fine');
   writeTorus(80, 50);
-  run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
+  run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250', '--sigma0', '0.2');
   run('page', 'torus.lode', '-o', 'torus');
   writeTorus(160, 100);
-  run('build', 'torus.obj', '-o', 'charts.lode', '--cell-triangles', '60');
+  run('build', 'torus.obj', '-o', 'charts.lode', '--cell-triangles', '60', '--sigma0', '0.2');
   run('page', 'charts.lode', '-o', 'charts');
 }
 
