@@ -59,7 +59,7 @@ class MapMutations : public FolderTest {
   }
 
   // Sound, and good for reconstruction.
-  static void expect_usable(PositionMap map) {
+  static void expect_usable(const PositionMap& map) {
     const std::size_t n = map.view.pixels();
     ASSERT_EQ(map.position.size(), n);
     ASSERT_EQ(map.triangle.size(), n);
@@ -71,7 +71,7 @@ class MapMutations : public FolderTest {
     }
     if (n > 10'000) return;
     MapSet set;
-    set.maps.push_back(std::move(map));
+    set.maps.push_back(map);
     const auto serial = make_serial_scheduler();
     ReconstructReport report;
     DrawnMaps drawn = drawn_maps(std::move(set), report);
