@@ -127,6 +127,12 @@ class Mutants(unittest.TestCase):
                  trial("near", "core/mesh", 2, {3: "changed"}), trial("blind", "core/mesh", 0.1, {3: "reached"})]
         self.assertEqual([t.name for t in trials.in_order(tests, 3, "core/mesh/clean.cpp")], ["near", "quick", "far"])
 
+    def test_what_a_test_sees_outlives_a_run(self):
+        first, second = (trials.Trial("t", ["/b/tests/core/t"], "", {}, True) for _ in range(2))
+        first.seconds, first.sees = 1.5, {3: "changed", 7: "reached"}
+        second.recall(json.loads(json.dumps(first.recorded())))
+        self.assertEqual((second.seconds, second.sees), (1.5, first.sees))
+
     def test_lines(self):
         self.assertEqual({(m.kind, m.line) for m in mutants.mutants_of("x.cpp", "a;\nb < c;\nd + e;\n")},
                          {("comparison", 2), ("sign", 3)})

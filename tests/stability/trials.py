@@ -54,6 +54,13 @@ class Trial:
         seen = pathlib.Path(file).read_bytes()
         self.sees = {n: "changed" if seen[2 * n + 1] else "reached" for n in range(count) if seen[2 * n]}
 
+    def recorded(self):
+        return {"name": self.name, "seconds": self.seconds, "sees": self.sees}
+
+    def recall(self, row):
+        self.seconds, self.sees = row["seconds"], {int(number): what for number, what in row["sees"].items()}
+        return self
+
     def passes(self, fault):
         return self.run({"PLANTED": str(fault)})[0]
 
