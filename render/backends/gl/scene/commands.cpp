@@ -65,10 +65,11 @@ void GlCommands::sort_into_pipelines(const Frame& frame, const GlGeometry& geome
   }
 }
 
-// Cells of a branch lie together: mostly it is the one of the cell before.
+// The order of the cells is kept, whatever room they have found: of triangles at the same depth the first is seen.
+// Cells of a branch lie together: mostly it is the bucket of the cell before.
 GlCommands::Bucket& GlCommands::bucket(std::size_t pipeline, std::uint32_t group) {
-  for (std::size_t k = bucket_count_; k-- > 0;)
-    if (buckets_[k].pipeline == pipeline && buckets_[k].group == group) return buckets_[k];
+  if (bucket_count_ > 0)
+    if (Bucket& last = buckets_[bucket_count_ - 1]; last.pipeline == pipeline && last.group == group) return last;
   if (bucket_count_ == buckets_.size()) buckets_.emplace_back();
   Bucket& made = buckets_[bucket_count_++];
   made.pipeline = pipeline;
