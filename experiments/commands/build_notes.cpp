@@ -13,7 +13,13 @@ namespace {
 
 // Stored triangles over those of the input: 4/3 for a surface that simplifies everywhere. A ratio above this one is
 // worth a note, if there is a cause.
-constexpr double large_stored_ratio = 1.6;
+// Stored triangles over those of the input: as they are in ordinary models, and where people should know why.
+struct StoredRatio {
+  double usual, large;
+};
+constexpr StoredRatio of_quarters{1.33, 1.6}, of_halves{2, 2.4};
+
+StoredRatio stored_ratio_of(const Hierarchy& hierarchy) { return hierarchy.grids.halves ? of_halves : of_quarters; }
 // A reason that holds for this share of a level's vertices is named as the cause.
 constexpr double large_share = 0.3;
 
@@ -23,7 +29,7 @@ double percent(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0) {
+std::string describe(const KeptVertices& kept, double stored_ratio, const Hierarchy& hierarchy) {
   struct Cause {
     std::uint64_t vertices;
     std::string what, remedy;
@@ -35,14 +41,15 @@ std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0
        {kept.seams, "are on seams of texture coordinates, normals, colours or materials",
         "--no-attributes simplifies the shape alone"},
        {kept.distant, "are too far from their neighbours for the bound of how far vertices may move",
-        fmt::format("give a larger --sigma0 than {:g}, or more --cell-triangles", sigma0)},
+        fmt::format("give a larger --sigma0 than {:g}, or more --cell-triangles", hierarchy.sigma0)},
        {kept.shared, "are on borders of cells, where blocks lock them", "give more --cell-triangles"}}};
   const Cause& cause = *std::ranges::max_element(causes, {}, &Cause::vertices);
   if (percent(cause.vertices, kept.vertices) < 100 * large_share) return {};
   return fmt::format(
-      "stored are {:.2f} times the triangles of the input, where 1.33 are usual: {:.0f} % of the vertices "
+      "stored are {:.2f} times the triangles of the input, where {:.3g} are usual: {:.0f} % of the vertices "
       "that level {} keeps {}; {}",
-      stored_ratio, percent(cause.vertices, kept.vertices), kept.level, cause.what, cause.remedy);
+      stored_ratio, stored_ratio_of(hierarchy).usual, percent(cause.vertices, kept.vertices), kept.level, cause.what,
+      cause.remedy);
 }
 
 const char* nature_of_errors(const Hierarchy& hierarchy) {
@@ -70,8 +77,8 @@ void print_build_notes(const BuildResult& result, double stored_ratio) {
         "bounds, at most {:.2g} h too large\n",
         measured->stopped, measured->excess);
   const bool has_payloads = !result.scratch;
-  if (stored_ratio > large_stored_ratio && has_payloads)
-    if (const std::string note = describe(find_kept(hierarchy), stored_ratio, hierarchy.sigma0); !note.empty())
+  if (stored_ratio > stored_ratio_of(hierarchy).large && has_payloads)
+    if (const std::string note = describe(find_kept(hierarchy), stored_ratio, hierarchy); !note.empty())
       fmt::print("note: {}\n", note);
 }
 

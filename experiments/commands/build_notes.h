@@ -9,7 +9,7 @@
 namespace lodestone {
 
 // Why more triangles are stored than usual, and what to do; empty if nothing that can be named keeps them.
-[[nodiscard]] std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0);
+[[nodiscard]] std::string describe(const KeptVertices& kept, double stored_ratio, const Hierarchy& hierarchy);
 
 // "estimated" or "measured", with the meaning of that for the errors of the hierarchy.
 [[nodiscard]] const char* nature_of_errors(const Hierarchy& hierarchy);

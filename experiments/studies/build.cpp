@@ -134,8 +134,8 @@ class BuildRounds {
     const Level& table = hierarchy.levels[static_cast<std::size_t>(level)];
     row["level"] = level, row["level_triangles"] = table.triangles, row["level_e"] = table.error;
     add_geometry(row, reference, level_mesh(hierarchy, level), *study_.scheduler);
-    row["level_distance"] =
-        row["error_max"].get<double>() / 100 * diagonal_of(reference) / (hierarchy.transform.scale * cell_size(level));
+    row["level_distance"] = row["error_max"].get<double>() / 100 * diagonal_of(reference) /
+                            (hierarchy.transform.scale * hierarchy.cell_size(level));
   }
 
   Study study_;

@@ -33,6 +33,7 @@ std::vector<ParameterInfo> build_parameters() {
       {"sigma0", 0.4, "", "displacement bound: |v - P(v)| <= sigma0 h / 2", 1e-4, 2, {}},
       {"cell_triangles", config.cell_triangles, "", "mean triangles per finest cell that L is chosen for", 1, 1e9, {}},
       {"finest_level", -1, "", "L; -1: from cell_triangles", -1, max_level, {}},
+      {"half_levels", false, "", "levels of a half of the triangles instead of a quarter", 0, 0, {}},
       {"simplifier", "quadric", "", "what collapses", 0, 0, simplifier_names()},
       {"placement", "default", "", "where survivors stand", 0, 0, {"default", "optimal", "endpoint"}},
       {"strategy", "graph", "", "how the work is orchestrated", 0, 0, {"serial", "levels", "graph"}},
@@ -86,6 +87,7 @@ BuildConfig build_config(const Parameters& parameters, const RunContext& context
   config.sigma0 = static_cast<float>(parameters.number("sigma0"));
   config.cell_triangles = static_cast<std::uint32_t>(parameters.integer("cell_triangles"));
   config.finest_level = parameters.integer("finest_level");
+  config.half_levels = parameters.flag("half_levels");
   config.simplifier = parameters.text("simplifier");
   if (parameters.text("placement") != "default") config.placement = placement_named(parameters.text("placement"));
   config.strategy = strategy_named(parameters.text("strategy"));

@@ -97,7 +97,7 @@ SurfaceSample FrameProof::measure(const ProofFrame& frame) {
   sample.gap_pixels = gaps.gap_max_pixels, sample.gap_mean_pixels = gaps.gap_mean_pixels;
   sample.gaps = gaps.gaps, sample.gaps_in_view = gaps.gaps_in_view;
   if (frame.thorough) {
-    const double near = junction_tolerance * cell_size(hierarchy_.finest());
+    const double near = junction_tolerance * hierarchy_.cell_size(hierarchy_.finest());
     sample.t_junctions = t_junctions(morph, whole, near, scheduler_).vertices;
   }
   if (frame.full_depth && closed()) {

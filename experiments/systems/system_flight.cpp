@@ -32,7 +32,7 @@ class Flight {
                          std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
     for (std::size_t m = 0; (patches || config.screen) && m < scene.model_count(); ++m) {
       DrawnMesh finest = finest_mesh(scene.hierarchy(m));
-      const double junction = junction_tolerance * cell_size(scene.hierarchy(m).finest());
+      const double junction = junction_tolerance * scene.hierarchy(m).cell_size(scene.hierarchy(m).finest());
       if (patches) patch_proofs_.emplace_back(finest, junction, scheduler);
       if (config.screen) full_.push_back(std::make_unique<MeasuredSurface>(std::move(finest)));
     }

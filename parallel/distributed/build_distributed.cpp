@@ -22,6 +22,7 @@ void check(const MeshStream& stream, const DistributedConfig& config) {
                                     "has attributes of vertices, which several ranks do not build: wedges of a vertex "
                                     "would have to be welded across them",
                                     "leave them out (--no-attributes), or use lodestone build"));
+  if (config.build.half_levels) throw UnsupportedError("half levels are built by one process alone");
   if (stream.vertex_count() >= FinestVertices::shared_flag)
     throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
   if (stream.triangle_count() >= 0xffff'ffffu)

@@ -80,12 +80,13 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
 // L, asked for or chosen; with splitting, such that it stays within its limit.
 int finest_level_of(const IndexedMesh& mesh, const BuildConfig& config) {
   const bool choose = config.finest_level < 0;
-  int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
+  const LevelGrids grids = grids_of(config);
+  int finest = choose ? grids.finest_level(choose_finest_level(mesh, config.cell_triangles)) : config.finest_level;
   if (!config.refine) return finest;
   const auto triangles = static_cast<double>(mesh.triangles.size());
   const std::uint64_t most =
       std::max(min_refine_limit, static_cast<std::uint64_t>(std::min(config.refine_limit * triangles, 0x1p62)));
-  const auto longest = [&] { return double{config.sigma0} * cell_size(finest); };
+  const auto longest = [&] { return double{config.sigma0} * cell_size(grids.of(finest)); };
   while (choose && finest > 0 && !can_refine(longest(), mesh.transform.lattice)) --finest;
   while (count_refined(mesh, longest(), most) > most) {
     if (!choose || finest == 0)
@@ -100,13 +101,13 @@ int finest_level_of(const IndexedMesh& mesh, const BuildConfig& config) {
 
 // The finest level, and empty cells on the others. Releases what only the partition needs.
 void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& out, Scheduler& scheduler) {
-  Partition partition = partition_mesh(std::move(mesh), finest, scheduler);
+  Partition partition = partition_mesh(std::move(mesh), out.grids.of(finest), scheduler);
   out.provenance.fingerprint = partition.fingerprint;
-  build.plan = plan_blocks(partition.codes, finest);
+  build.plan = plan_blocks(partition.codes, finest, out.grids);
   for (int l = 0; l < finest; ++l)
     build.cells.emplace_back(build.plan.levels[static_cast<std::size_t>(l)].codes.size());
   build.triangles = std::move(partition.triangles);
-  build.cells.push_back(make_finest_cells(std::move(partition), finest, out.sigma0, scheduler));
+  build.cells.push_back(make_finest_cells(std::move(partition), out.grids.of(finest), out.sigma0, scheduler));
   // The lattice has moved the input, and the middles of split edges once more.
   const float moved = (out.provenance.refined ? 2 : 1) * build.lattice.error();
   for (CellBuild& cell : build.cells.back()) cell.error = moved;
@@ -151,7 +152,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   const int finest = finest_level_of(mesh, config);
   RefineReport refinement;
   if (config.refine) {
-    refinement = refine_mesh(mesh, double{config.sigma0} * cell_size(finest), scheduler);
+    refinement = refine_mesh(mesh, double{config.sigma0} * out.cell_size(finest), scheduler);
     out.provenance.refined = true;
   }
   out.provenance.input_vertices = mesh.positions.size();

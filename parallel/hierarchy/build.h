@@ -29,8 +29,11 @@ struct BuildConfig {
   // Displacement bound: d(v, P(v)) <= sigma0 h_l / 2. Dimensionless, in (0, 2]. The default leaves the simplifier about
   // four mean edges at the default cell size.
   float sigma0 = 0.4f;
-  std::uint32_t cell_triangles = 1200;      // mean triangles per occupied finest cell that L is chosen for; at least 1
-  int finest_level = -1;                    // L; -1: from cell_triangles; at most max_level
+  std::uint32_t cell_triangles = 1200;  // mean triangles per occupied finest cell that L is chosen for; at least 1
+  int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
+  // A level keeps half of the triangles of the finer one instead of a quarter, and every other level keeps its cells:
+  // fewer triangles draw the same picture, of a file half as large again.
+  bool half_levels = false;
   std::string simplifier = "quadric";       // its name (core/simplify/simplifiers.h)
   std::optional<Placement> placement = {};  // of the survivors; empty: the simplifier's default
   Strategy strategy = Strategy::graph;

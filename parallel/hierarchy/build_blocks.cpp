@@ -121,7 +121,7 @@ class BlockBuilder {
     Lane& lane = lanes_[lease.lane];
     work_.storage.load(block, lease.lane);
     build_block({block, work_.plan.levels[level - 1], work_.cells[level], work_.cells[level - 1], config_.sigma0,
-                 work_.attributes, work_.lattice},
+                 work_.plan.grids, work_.attributes, work_.lattice},
                 *lane.simplifier, lane.block);
     work_.storage.store(index);
     report_progress(lane.block.triangles.size());
@@ -154,6 +154,7 @@ Placement placement_of(const BuildConfig& config) {
 
 void describe_config(const BuildConfig& config, Hierarchy& out) {
   out.sigma0 = config.sigma0;
+  out.grids = grids_of(config);
   out.provenance.simplifier = config.simplifier;
   out.provenance.placement = static_cast<std::uint32_t>(placement_of(config));
   out.provenance.cell_triangles = config.finest_level < 0 ? config.cell_triangles : 0;

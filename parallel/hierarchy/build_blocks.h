@@ -37,8 +37,10 @@ struct BlockWork {
 // Calls config.progress. Throws Cancelled when config.cancel is set.
 void build_blocks(const BlockWork& work, const BuildConfig& config, Scheduler& scheduler);
 
-// Fills what a hierarchy says about the configuration: sigma0, simplifier, placement and cell size.
+// Fills what a hierarchy says about the configuration: sigma0, half levels, simplifier, placement and cell size.
 void describe_config(const BuildConfig& config, Hierarchy& out);
+
+[[nodiscard]] inline LevelGrids grids_of(const BuildConfig& config) { return {config.half_levels}; }
 
 // Throws InputError for an unknown simplifier.
 [[nodiscard]] Placement placement_of(const BuildConfig& config);

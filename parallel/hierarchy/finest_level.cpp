@@ -6,7 +6,7 @@
 
 namespace lodestone {
 
-std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sigma0, Scheduler& scheduler,
+std::vector<CellBuild> make_finest_cells(Partition&& given, int grid, float sigma0, Scheduler& scheduler,
                                          const JoinShared& join) {
   constexpr std::size_t cell_grain = 16;
   Partition partition = std::move(given);
@@ -16,7 +16,7 @@ std::vector<CellBuild> make_finest_cells(Partition&& given, int level, float sig
     FinestCellScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     for (std::size_t c = range.begin; c < range.end; ++c)
       shared.add(partition.cells[c], partition.codes[c],
-                 make_finest_cell(partition.vertices, partition.codes[c], level, sigma0, partition.cells[c], s));
+                 make_finest_cell(partition.vertices, partition.codes[c], grid, sigma0, partition.cells[c], s));
   });
   std::vector<Vec3f>().swap(partition.vertices.positions);
   if (join) join(partition.vertices, shared);

@@ -17,7 +17,7 @@ using JoinShared = std::function<void(const FinestVertices&, SharedVertices&)>;
 // looking at them. Same bytes for any number of workers. The partition is released, its positions before the shared
 // vertices are described. `join`, if given, is called when all cells are added to the shared vertices: it may add what
 // cells elsewhere know of them.
-[[nodiscard]] std::vector<CellBuild> make_finest_cells(Partition&& partition, int level, float sigma0,
+[[nodiscard]] std::vector<CellBuild> make_finest_cells(Partition&& partition, int grid, float sigma0,
                                                        Scheduler& scheduler, const JoinShared& join = {});
 
 }  // namespace lodestone

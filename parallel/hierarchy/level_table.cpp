@@ -10,7 +10,7 @@ void append_level(const BlockPlan& plan, std::size_t l, const std::function<Leve
   Level level;
   level.first_cell = CellId(out.cells.size());
   level.cell_count = static_cast<std::uint32_t>(table.codes.size());
-  const float h = cell_size(static_cast<int>(l));
+  const float h = out.cell_size(static_cast<int>(l));
   for (CellRank rank{0}; rank < table.codes.size(); ++rank) {
     const LevelEntry entry = entry_of(rank);
     const CellFigures& from = *entry.figures;

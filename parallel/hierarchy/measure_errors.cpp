@@ -54,7 +54,7 @@ class ErrorMeasurement {
       const Level& level = hierarchy_.levels[static_cast<std::size_t>(l)];
       for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
         result.stopped += !errors_[c].complete;
-        result.excess = std::max(result.excess, (errors_[c].bound - errors_[c].found) / cell_size(l));
+        result.excess = std::max(result.excess, (errors_[c].bound - errors_[c].found) / hierarchy_.cell_size(l));
       }
     }
     return result;
@@ -96,8 +96,8 @@ class ErrorMeasurement {
       std::size_t triangles = hierarchy_.cells[id].triangles.size();
       for (CellRank c = below.first; c < below.end; ++c) triangles += finest.triangle_count(c);
       const double tests = std::ceil(config_.tests / hierarchy_.finest() * static_cast<double>(triangles));
-      measure_cell(id, {surface, rank, finest, below.first, below.end, 0, negligible_ratio * cell_size(level),
-                        static_cast<std::uint64_t>(tests)});
+      measure_cell(id, {surface, rank, finest, below.first, below.end, 0,
+                        negligible_ratio * hierarchy_.cell_size(level), static_cast<std::uint64_t>(tests)});
       report_progress();
     });
   }
@@ -124,7 +124,7 @@ class ErrorMeasurement {
         hierarchy_.cells[c].error = float_above(moved + errors_[c].bound + distance_rounding);
         largest = std::max(largest, hierarchy_.cells[c].error);
       }
-      level.error = largest / cell_size(static_cast<int>(l));
+      level.error = largest / hierarchy_.cell_size(static_cast<int>(l));
     }
     hierarchy_.signatures = nullptr;  // theirs are of the old ones
     hierarchy_.provenance.measured_errors = true;

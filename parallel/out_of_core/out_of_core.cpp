@@ -164,6 +164,7 @@ class OutOfCoreBuild {
   OutOfCoreBuild(const MeshStream& stream, const ModelConfig& config, Scheduler& scheduler)
       : stream_(stream),
         config_(config),
+        grids_(grids_of(config.build)),
         scheduler_(scheduler),
         memory_(stream, config, scheduler.workers()),
         files_(stream, config),
@@ -183,12 +184,13 @@ class OutOfCoreBuild {
     if (const auto crowded = find_crowded(clean.positions, clean.transform))
       result_.warnings.push_back(stream_.name() + ": " + describe(*crowded));
     const BuildConfig& build = config_.build;
-    mesh_.level = build.finest_level < 0 ? choose_level(stream_, clean, build.cell_triangles) : build.finest_level;
+    mesh_.level = build.finest_level < 0 ? grids_.finest_level(choose_level(stream_, clean, build.cell_triangles))
+                                         : build.finest_level;
 
     steps_.begin("spill", "sorting");
     mesh_.vertices.sharing.assign(clean.positions.size(), unowned);
     mesh_.cells = spill_triangles(stream_, clean,
-                                  {mesh_.level, memory_.part(clean),
+                                  {grids_.of(mesh_.level), memory_.part(clean),
                                    [&](std::uint64_t done) { steps_.share(ratio(done, stream_.triangle_count())); }},
                                   mesh_.vertices.sharing, files_.triangles(), scheduler_);
     mesh_.triangles = clean.triangles;
@@ -200,12 +202,13 @@ class OutOfCoreBuild {
   }
 
   void build() {
-    plan_ = plan_blocks(mesh_.cells.codes, mesh_.level);
+    plan_ = plan_blocks(mesh_.cells.codes, mesh_.level, grids_);
     const std::size_t lanes = memory_.lanes(mesh_, plan_);
     steps_.begin("shared", "sharing");
     const Lattice lattice = mesh_.transform.lattice;
     const FileSource triangles(files_.triangles());
-    SpilledFinest finest(mesh_.cells, triangles, mesh_.vertices, {mesh_.level, config_.build.sigma0, lattice});
+    SpilledFinest finest(mesh_.cells, triangles, mesh_.vertices,
+                         {grids_.of(mesh_.level), config_.build.sigma0, lattice});
     finest.describe_shared(scheduler_, [&](std::uint64_t done) { steps_.share(ratio(done, mesh_.triangles)); });
 
     steps_.begin("hierarchy", "building");
@@ -270,6 +273,7 @@ class OutOfCoreBuild {
 
   const MeshStream& stream_;
   const ModelConfig& config_;
+  LevelGrids grids_;
   Scheduler& scheduler_;
   ModelResult result_;
   Memory memory_;
@@ -290,7 +294,8 @@ ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int wo
   const double cell = config.build.finest_level < 0 ? std::max(config.build.cell_triangles, 2u) : 4000;
   const double border = std::min(1.0, 4 / std::sqrt(cell / 2));
   const auto shared = static_cast<std::uint64_t>(border * static_cast<double>(vertices));
-  const auto cells = static_cast<std::uint64_t>(4.0 / 3 * static_cast<double>(triangles) / cell);
+  const double stored = (config.build.half_levels ? 2.0 : 4.0 / 3) * static_cast<double>(triangles);
+  const auto cells = static_cast<std::uint64_t>(stored / cell);
   // A block has 64 cells at most, about 20 of them occupied, and cells have twice the triangles asked for at most.
   const std::uint64_t block = std::min(triangles, static_cast<std::uint64_t>(48 * cell));
   ModelNeed need;
@@ -299,8 +304,8 @@ ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int wo
       std::max({20 * vertices + least_part(triangles) * sizeof(Triangle),
                 16 * vertices + shared * SharedVertices::peak_bytes_per_vertex,
                 16 * vertices + shared * SharedVertices::bytes_per_vertex + block * StoredBlocks::bytes_per_triangle});
-  // Triangles once for sorting, then cells: 23 bytes per triangle, 4/3 of the input, and what only blocks know.
-  need.scratch_bytes = 12 * triangles + 33 * triangles + (config.resume ? 12 * vertices : 0);
+  // Triangles once for sorting, then cells: 23 bytes per triangle, and what only blocks know.
+  need.scratch_bytes = 12 * triangles + static_cast<std::uint64_t>(24.75 * stored) + (config.resume ? 12 * vertices : 0);
   return need;
 }
 

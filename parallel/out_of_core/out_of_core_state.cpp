@@ -14,7 +14,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t journal_version = 3;
+constexpr std::uint32_t journal_version = 4;
 constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
 
 // Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
@@ -28,6 +28,7 @@ std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& 
   out.put(stream.up());
   out.put(build.sigma0);
   out.put(build.finest_level);
+  out.put(build.half_levels);
   out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
   out.put(checksum(std::as_bytes(std::span(build.simplifier))));
   out.put(placement_of(build));

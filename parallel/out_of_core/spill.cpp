@@ -70,7 +70,7 @@ CellRuns spill_triangles(const MeshStream& stream, const CleanStream& clean, con
   // As bytes: a Triangle would be set to zero first.
   const auto memory = std::make_unique_for_overwrite<std::byte[]>(room * sizeof(Triangle));
   const std::span sorted(reinterpret_cast<Triangle*>(memory.get()), room);
-  RunSorter sorter(clean.positions, config.level, scheduler);
+  RunSorter sorter(clean.positions, config.grid, scheduler);
   Spilling spilling(sharing, file, scheduler);
   for (std::uint64_t first = 0; first < all; first += room) {
     const auto read = [&](ChunkRange range, std::vector<Triangle>& triangles) {

@@ -30,7 +30,7 @@ class FileSource final : public TriangleSource {
 };
 
 struct SpillConfig {
-  int level = 0;                     // of the cells
+  int grid = 0;                      // of the cells
   std::uint64_t part_triangles = 0;  // of the stream, sorted at a time; at least 1
   // Called with how many triangles of the stream have been dealt with, from time to time; may be empty.
   std::function<void(std::uint64_t)> progress{};

@@ -13,7 +13,8 @@ void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<vo
       s.triangles.resize(cells_.triangles_of(rank));
       CellBuild cell;
       collect_cell(cells_, rank, triangles_, s.triangles, s.numbers, cell);
-      shared_.add(cell, cells_.codes[rank], make_finest_cell(vertices_, cells_.codes[rank], config_.level, config_.sigma0, cell, s.cell));
+      shared_.add(cell, cells_.codes[rank],
+                  make_finest_cell(vertices_, cells_.codes[rank], config_.grid, config_.sigma0, cell, s.cell));
       seen += s.triangles.size();
     }
     if (progress) progress(seen);
@@ -24,7 +25,7 @@ void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<vo
 void SpilledFinest::make(CellRank rank, std::span<Triangle> room, SpilledFinestScratch& scratch,
                          CellBuild& cell) const {
   collect_cell(cells_, rank, triangles_, room, scratch.numbers, cell);
-  (void)make_finest_cell(vertices_, cells_.codes[rank], config_.level, config_.sigma0, cell, scratch.cell);
+  (void)make_finest_cell(vertices_, cells_.codes[rank], config_.grid, config_.sigma0, cell, scratch.cell);
   shared_.describe(cell);
   cell.error = config_.lattice.error();  // the lattice has moved the input
 }

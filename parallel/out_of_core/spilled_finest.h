@@ -25,7 +25,7 @@ struct SpilledFinestScratch {
 class SpilledFinest {
  public:
   struct Config {
-    int level = 0;
+    int grid = 0;
     float sigma0 = 0;
     Lattice lattice{};
   };

@@ -42,16 +42,16 @@ regular grid is taken; seed: of the displacement. Returns a Mesh, the same on ev
 another shape or a number out of range.)";
 
 inline constexpr const char* build =
-    R"(build(mesh, *, sigma0=0.4, cell_triangles=1200, finest_level=-1, simplifier='quadric', placement=None,
-    strategy='graph', refine=False, refine_limit=10.0, measure_errors=False, texture_levels=False, compress=False,
-    lattice_bits=0, threads=0, progress=None)
+    R"(build(mesh, *, sigma0=0.4, cell_triangles=1200, finest_level=-1, half_levels=False, simplifier='quadric',
+    placement=None, strategy='graph', refine=False, refine_limit=10.0, measure_errors=False, texture_levels=False,
+    compress=False, lattice_bits=0, threads=0, progress=None)
 
 Builds the hierarchical level of detail of a Mesh (which is copied) or of a file, as `lodestone build` does: saved,
 it has the same bytes, for any number of threads.
 
 sigma0: a vertex moves by at most sigma0 h / 2 to its parent, h being the side of a cell; in (0, 2]. cell_triangles:
 mean of an occupied finest cell, at least 1, from which the number of levels follows; finest_level: that instead, 0
-to 15, or -1. simplifier: 'quadric', 'cluster', 'openmesh' or 'meshopt'. placement: 'optimal' or 'endpoint'; None:
+to 15, or -1. half_levels: levels of a half of the triangles instead of a quarter. simplifier: 'quadric', 'cluster', 'openmesh' or 'meshopt'. placement: 'optimal' or 'endpoint'; None:
 as fits the simplifier. strategy: 'graph', 'levels' or 'serial'. refine: split edges longer than sigma0 h, into at
 most refine_limit times the triangles. measure_errors: bounds instead of estimates. texture_levels: textures of
 coarser levels. compress: vertices on a lattice and cells reordered, as save(compress=True) needs it; lattice_bits:

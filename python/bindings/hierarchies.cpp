@@ -31,6 +31,7 @@ ModelConfig take_config(Options& options) {
   options.take("sigma0", build.sigma0);
   options.take("cell_triangles", build.cell_triangles);
   options.take("finest_level", build.finest_level);
+  options.take("half_levels", build.half_levels);
   options.take("simplifier", build.simplifier);
   options.take<std::string>("placement", build.placement, placement_named);
   options.take<std::string>("strategy", build.strategy, [](const std::string& name) { return strategy_named(name); });

@@ -147,9 +147,9 @@ def read(path: _Path, *, attributes: bool = True, fill_voids: bool = False, allo
 def generate(shape: str, *, triangles: int = 1000000, seed: int = 1, threads: int = 0,
              progress: _Progress = None) -> Mesh: ...
 def build(mesh: _Surface, *, sigma0: float = 0.4, cell_triangles: int = 1200, finest_level: int = -1,
-          simplifier: str = 'quadric', placement: Optional[str] = None, strategy: str = 'graph', refine: bool = False,
-          refine_limit: float = 10.0, measure_errors: bool = False, texture_levels: bool = False,
-          compress: bool = False, lattice_bits: int = 0, threads: int = 0,
+          half_levels: bool = False, simplifier: str = 'quadric', placement: Optional[str] = None,
+          strategy: str = 'graph', refine: bool = False, refine_limit: float = 10.0, measure_errors: bool = False,
+          texture_levels: bool = False, compress: bool = False, lattice_bits: int = 0, threads: int = 0,
           progress: _Progress = None) -> Hierarchy: ...
 def load(path: _Path, *, threads: int = 0, progress: _Progress = None) -> Hierarchy: ...
 def verify(hierarchy: Hierarchy, *, input: Optional[_Surface] = None, threads: int = 0,

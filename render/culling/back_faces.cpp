@@ -135,7 +135,7 @@ OutsideSpace::OutsideSpace(const Hierarchy& hierarchy) {
   cells_.assign(index(0, 0, side_), Space::unknown);
   const std::span<const Cell> cells = hierarchy.cells_of(level);
   // Vertices of this level and of finer ones move by no more than this.
-  const float margin = displacement_bound(hierarchy.sigma0, level) + clearance;
+  const float margin = hierarchy.displacement_bound(level) + clearance;
   for (const Cell& cell : cells) {
     Box3f box = cell.bounds;
     box.lo = {box.lo.x - margin, box.lo.y - margin, box.lo.z - margin};

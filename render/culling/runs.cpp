@@ -31,7 +31,7 @@ void CullingRuns::cull(const Hierarchy& hierarchy, const ViewProjection& view_pr
     selected.ranges = {};
     if (!selected.visible || is_inside(frustum, drawn_bounds(hierarchy, selected.cell, selected.level))) continue;
     const auto triangles = static_cast<std::uint32_t>(hierarchy.cells[selected.cell].triangles.size());
-    const float margin = displacement_bound(hierarchy.sigma0, selected.level);
+    const float margin = hierarchy.displacement_bound(selected.level);
     const std::size_t first = ranges_.size();
     std::uint32_t begin = 0, kept = 0;
     for (const Box3f& box : boxes(hierarchy, selected.cell)) {

@@ -28,7 +28,7 @@ template <class Distance>
 float signature_lambda(const MorphContext& context, int level, const Signatures::Users& users,
                        const Distance& distance_of) {
   const Radii& radii = *context.radii;
-  const float stale = radii.delta * cell_size(level);
+  const float stale = radii.delta * context.hierarchy->cell_size(level);
   const auto within = [&](CellId cell, float radius) { return radius - distance_of(cell); };
   float parents = std::numeric_limits<float>::infinity(), own = -parents;
   for (const CellId cell : users.parents) parents = std::min(parents, within(cell, radii.by_cell[cell] - 2 * stale));

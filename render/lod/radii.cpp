@@ -71,7 +71,7 @@ class AdaptiveRadii {
  private:
   // The least difference of the radii of a parent and a cell that one signature has.
   [[nodiscard]] double gap(int level, CellId cell, CellId parent) const {
-    const double band = (double{config_.beta} + 3 * double{config_.delta}) * cell_size(level);
+    const double band = (double{config_.beta} + 3 * double{config_.delta}) * hierarchy_.cell_size(level);
     return config_.constraint *
            (norm(config_.metric, overhang(hierarchy_.cells[cell].bounds, hierarchy_.cells[parent].bounds)) + band);
   }
@@ -134,7 +134,7 @@ Radii make_adaptive(const Hierarchy& hierarchy, const RadiiConfig& config,
       largest = std::max(largest, radii.by_cell[cell]);
     radii.select.push_back(l == hierarchy.finest() ? 0 : largest);
     radii.band_begin.push_back(largest);
-    radii.band_end.push_back(std::nextafter(largest + config.beta * cell_size(l), 0.0f));
+    radii.band_end.push_back(std::nextafter(largest + config.beta * hierarchy.cell_size(l), 0.0f));
   }
   radii.band_begin[0] = radii.band_end[0] = std::numeric_limits<float>::infinity();
   return radii;
@@ -175,7 +175,7 @@ Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config, std::sha
   if (config.rule == RadiiRule::adaptive) return make_adaptive(hierarchy, config, std::move(signatures));
   const auto finest = static_cast<std::size_t>(hierarchy.finest());
   const auto rho = [&](std::size_t l) { return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)]; };
-  const auto h = [](std::size_t l) { return cell_size(static_cast<int>(l)); };
+  const auto h = [&](std::size_t l) { return hierarchy.cell_size(static_cast<int>(l)); };
   // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least
   // r.
   const auto wanted = [&](std::size_t l) {

@@ -14,7 +14,7 @@ std::size_t drawn_triangles(const Cell& cell, std::span<const TriangleRange> ran
 
 Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level) {
   // A blend of two places may leave the box of both by a rounding.
-  const float margin = displacement_bound(hierarchy.sigma0, level) + 1e-6f;
+  const float margin = hierarchy.displacement_bound(level) + 1e-6f;
   Box3f box = hierarchy.cells[cell].bounds;
   box.lo = {box.lo.x - margin, box.lo.y - margin, box.lo.z - margin};
   box.hi = {box.hi.x + margin, box.hi.y + margin, box.hi.z + margin};
@@ -25,11 +25,12 @@ namespace {
 
 // True if lambda = 1 on the whole box: its farthest corner lies at most at the beginning of the band. By adaptive radii
 // if it is so for the cell's own vertices, for then it is for those that it shares.
-bool is_static(const Radii& radii, CellId id, std::size_t level, Vec3f viewpoint, const Box3f& box,
+bool is_static(const Hierarchy& hierarchy, const Radii& radii, CellId id, std::size_t level, Vec3f viewpoint,
                DetailLimits limits) {
+  const Box3f& box = hierarchy.cells[id].bounds;
   if (radii.by_cell.empty() || level == 0)
     return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
-  const float stale = radii.delta * cell_size(static_cast<int>(level));
+  const float stale = radii.delta * hierarchy.cell_size(static_cast<int>(level));
   return limited_distance(radii.metric, viewpoint, box, limits) <= radii.by_cell[id] + stale;
 }
 
@@ -43,14 +44,13 @@ class Traversal {
     const Cell& cell = hierarchy_.cells[id];
     ++out_.visited;
     // Morphed vertices leave B by at most the displacement bound. B of an ancestor contains B of all below it and its
-    // bound is larger, so that a cell outside here is outside with its whole subtree.
+    // bound is no smaller, so that a cell outside here is outside with its whole subtree.
     if (visible && config_.frustum)
-      visible =
-          !is_outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
+      visible = !is_outside(*config_.frustum, cell.bounds, hierarchy_.displacement_bound(static_cast<int>(level)));
     if (!visible && !config_.keep_culled) return;
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
                        limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.of(id, level);
-    const bool morphing = drawn && !is_static(radii_, id, level, viewpoint_, cell.bounds, config_.limits);
+    const bool morphing = drawn && !is_static(hierarchy_, radii_, id, level, viewpoint_, config_.limits);
     if (visible && config_.cones) {
       const NormalCones& cones = *config_.cones;
       visible = !turns_away(!drawn ? cones.subtree(id) : morphing ? cones.morphing(id) : cones.still(id), id, level);

@@ -44,7 +44,7 @@ class RadiiCheck {
     const double half = std::tan(double{config.vertical_fov} / 2), aspect = config.aspect;
     const double pixels =
         config.image_height / (2 * half * config.pixel_error) * (1 + half * half * (1 + aspect * aspect));
-    const double band = (double{config.beta} + 3 * double{config.delta}) * cell_size(level);
+    const double band = (double{config.beta} + 3 * double{config.delta}) * hierarchy_.cell_size(level);
     for (const CellId parent : users.parents) {
       const double radius = radii.by_cell[parent];
       for (const CellId cell : users.cells) {

@@ -259,7 +259,7 @@ void SceneView::see_from_light() {
     to[3] = s.translation.x, to[7] = s.translation.y, to[11] = s.translation.z;
     const Hierarchy& hierarchy = *placed.open.hierarchy;
     const auto add = [&](std::vector<Vec3d>& points, CellId cell, int level) {
-      const float margin = displacement_bound(hierarchy.sigma0, level);  // morphed vertices leave the bounds
+      const float margin = hierarchy.displacement_bound(level);  // morphed vertices leave the bounds
       Box3f box = hierarchy.cells[cell].bounds;
       box.lo = box.lo - Vec3f{margin, margin, margin}, box.hi = box.hi + Vec3f{margin, margin, margin};
       const std::array<Vec3d, 8> corners = corners_of(box, to);

@@ -26,7 +26,7 @@ IndexedMesh prepared(RawMesh raw) {
 std::string note(IndexedMesh mesh, const BuildConfig& config) {
   const auto scheduler = make_serial_scheduler();
   const Hierarchy h = build_hierarchy(std::move(mesh), config, *scheduler);
-  return describe(find_kept(h), 2, h.sigma0);
+  return describe(find_kept(h), 2, h);
 }
 
 void expect_note(const std::string& said, const std::string& part, const std::string& remedy) {

@@ -106,6 +106,27 @@ TEST_P(BuildStrategies, EveryLevelStandsOnTheLatticeAndVerifies) {
 INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies, testing::ValuesIn(simplifier_names()),
                          [](const auto& tested) { return tested.param; });
 
+// Finest levels that share their grid with the next coarser one, and ones that do not.
+TEST_P(BuildStrategies, HalfLevelsVerifyAndAreTheSameForAnyThreads) {
+  const auto serial = make_serial_scheduler(), parallel = make_tbb_scheduler(3);
+  for (const auto& mesh : {test::sphere_mesh(5), test::terrain_mesh(60), test::torus_mesh(80, 40)})
+    for (const int finest : {-1, 5}) {
+      BuildConfig config = small_cells(GetParam(), Strategy::serial);
+      config.half_levels = true;
+      config.finest_level = finest;
+      const Hierarchy h = build_hierarchy(IndexedMesh(mesh), config, *serial);
+      EXPECT_EQ(failures(verify_hierarchy(h, &mesh)), "");
+      EXPECT_TRUE(finest == -1 ? h.finest() % 2 == 0 : h.finest() == finest);
+      for (int l = 1; l <= h.finest(); ++l)
+        EXPECT_EQ(h.cells_of(l).size() == h.cells_of(l - 1).size(), l % 2 == 0) << "level " << l;
+      for (const Strategy strategy : {Strategy::levels, Strategy::graph}) {
+        config.strategy = strategy;
+        EXPECT_TRUE(test::hierarchy_bytes(h) ==
+                    test::hierarchy_bytes(build_hierarchy(IndexedMesh(mesh), config, *parallel)));
+      }
+    }
+}
+
 // Cells share vertices of small errors too, where a whole cell's would ask for more than the border needs.
 TEST_P(BuildStrategies, KnowsTheErrorsAroundSharedVertices) {
   const auto scheduler = make_tbb_scheduler(2);
@@ -138,6 +159,20 @@ TEST(Build, ShrinksFourfoldPerLevel) {
   for (const Level& level : h.levels) stored += level.triangles;
   EXPECT_EQ(h.levels.back().triangles, h.provenance.input_triangles);
   EXPECT_LT(static_cast<double>(stored), 1.45 * static_cast<double>(h.provenance.input_triangles));
+}
+
+TEST(Build, HalfLevelsShrinkTwofold) {
+  const auto scheduler = make_tbb_scheduler();
+  BuildConfig config;
+  config.cell_triangles = 1000;
+  config.half_levels = true;
+  const Hierarchy h = build_hierarchy(test::sphere_mesh(7), config, *scheduler);
+  ASSERT_GE(h.finest(), 4);
+  for (std::size_t l = 1; l < h.levels.size(); ++l) {
+    const auto kept = static_cast<double>(h.levels[l - 1].triangles) / static_cast<double>(h.levels[l].triangles);
+    EXPECT_GT(kept, 0.45) << "level " << l;
+    EXPECT_LT(kept, 0.6) << "level " << l;
+  }
 }
 
 TEST(Build, StillRelocatesVerticesOnALattice) {

@@ -72,6 +72,7 @@ STEPS = [
     *build_and_verify("meshopt", ["--simplifier", "meshopt", *SMALL]),
     *build_and_verify("measured", ["--measure-error", *SMALL]),
     *build_and_verify("compressed", ["--compress", *SMALL]),
+    *build_and_verify("halved", ["--half-levels", "--cell-triangles", "100", "--levels", "9"]),
     *build_and_verify("refined", ["--refine", "--levels", "3"], errors="splitting all edges longer"),
     Step("build on disk", ["build", "in.ply", "-o", "disk.lode", "--memory-limit", "24MiB", *SMALL], makes="disk.lode", same="small.lode",
          errors="needs? .* of memory|give it as binary PLY of triangles"),

@@ -29,6 +29,7 @@ struct RandomModel {
   std::vector<int> soup{};  // of shape 6: coordinates on a grid of 5 x 5 x 5, nine for a triangle
   int sigma0 = 2;           // in tenths
   int levels = 2;
+  bool half_levels = false;
   int simplifier = 0;
   bool endpoint = false;
   bool lattice = false;
@@ -46,10 +47,10 @@ inline void showValue(const RandomModel& m, std::ostream& out) {
       << ", .seed = " << m.seed << ", .soup = {";
   for (std::size_t k = 0; k < m.soup.size(); ++k) out << (k > 0 ? ", " : "") << m.soup[k];
   out << std::boolalpha << "}, .sigma0 = " << m.sigma0 << ", .levels = " << m.levels
-      << ", .simplifier = " << m.simplifier << ", .endpoint = " << m.endpoint << ", .lattice = " << m.lattice
-      << ", .uniform = " << m.uniform << ", .chebyshev = " << m.chebyshev << ", .blend = " << m.blend
-      << ", .kappa = " << m.kappa << ", .beta = " << m.beta << ", .delta = " << m.delta << ", .views = " << m.views
-      << "}";
+      << ", .half_levels = " << m.half_levels << ", .simplifier = " << m.simplifier << ", .endpoint = " << m.endpoint
+      << ", .lattice = " << m.lattice << ", .uniform = " << m.uniform << ", .chebyshev = " << m.chebyshev
+      << ", .blend = " << m.blend << ", .kappa = " << m.kappa << ", .beta = " << m.beta << ", .delta = " << m.delta
+      << ", .views = " << m.views << "}";
 }
 
 // Wrapping grids need three squares a side.
@@ -60,6 +61,7 @@ inline rc::Gen<RandomModel> random_model() {
       rc::gen::set(&RandomModel::amplitude, inRange(0, 9)), rc::gen::set(&RandomModel::seed, inRange(0u, 1000u)),
       rc::gen::set(&RandomModel::soup, rc::gen::container<std::vector<int>>(inRange(0, 5))),
       rc::gen::set(&RandomModel::sigma0, inRange(1, 21)), rc::gen::set(&RandomModel::levels, inRange(1, 5)),
+      rc::gen::set(&RandomModel::half_levels),
       rc::gen::set(&RandomModel::simplifier, inRange(0, static_cast<int>(simplifier_names().size()))),
       rc::gen::set(&RandomModel::endpoint), rc::gen::set(&RandomModel::lattice), rc::gen::set(&RandomModel::uniform),
       rc::gen::set(&RandomModel::chebyshev),
@@ -150,7 +152,8 @@ inline RawMesh mesh_of(const RandomModel& m) {
 inline BuildConfig build_config(const RandomModel& m) {
   BuildConfig config;
   config.sigma0 = static_cast<float>(m.sigma0) / 10;
-  config.finest_level = m.levels;
+  config.half_levels = m.half_levels;
+  config.finest_level = m.half_levels ? 2 * m.levels - static_cast<int>(m.seed % 2) : m.levels;
   config.simplifier = simplifier_names()[static_cast<std::size_t>(m.simplifier)];
   if (m.endpoint) config.placement = Placement::endpoint;
   config.strategy = Strategy::serial;
@@ -163,14 +166,14 @@ inline DistanceMetric metric_of(const RandomModel& m) {
   return m.chebyshev ? DistanceMetric::chebyshev : DistanceMetric::euclidean;
 }
 
-// Admissible: a uniform kappa0 is above the reach and three guards.
+// Admissible: a uniform kappa0 is above the reach and three guards. No uniform one is where levels share a grid.
 inline Radii radii_of(const RandomModel& m, const Hierarchy& h) {
   RadiiConfig config;
   config.metric = metric_of(m);
   config.beta = static_cast<float>(m.beta) / 10;
   config.delta = static_cast<float>(m.delta) / 10;
   config.kappa0 = static_cast<float>(m.kappa) / 20;
-  if (m.uniform) {
+  if (m.uniform && !m.half_levels) {
     config.rule = RadiiRule::uniform;
     config.kappa0 = (greatest_reach(h, config.metric) + 3 * config.delta) * (1 + *config.kappa0 / 10) + 1e-3f;
   }

@@ -20,8 +20,8 @@ const check = (holds, what) => {
   console.log(`ok: ${what}`);
 };
 const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
-const url = pathToFileURL(path.join(folder, 'tiles/tileset.json')).href;
-const load = (change = (json) => json) => loadTileset(url, async (file) => change(JSON.parse(readFileSync(new URL(file)))));
+const load = (tiles = 'tiles', change = (json) => json) => loadTileset(pathToFileURL(path.join(folder, tiles, 'tileset.json')).href,
+                                                                       async (file) => change(JSON.parse(readFileSync(new URL(file)))));
 
 // A closed torus that is smooth but for a stretch as rough as gravel.
 function writeTorus(n, m) {
@@ -37,10 +37,13 @@ function writeTorus(n, m) {
   writeFileSync(path.join(folder, 'torus.obj'), lines.join('\n') + '\n');
 }
 
-async function testProgram() {
-  const tileset = await load();
+const testProgram = () => testModel('torus.lode', 'tiles');
+const testHalfLevels = () => testModel('half-levels.lode', 'half-levels');
+
+async function testModel(file, tiles) {
+  const tileset = await load(tiles);
   for (const pixels of [0.5, 2, 16]) {
-    const there = JSON.parse(execFileSync(printRadii, ['torus.lode', String(pixels)], {cwd: folder, encoding: 'utf8', maxBuffer: 1e9}));
+    const there = JSON.parse(execFileSync(printRadii, [file, String(pixels)], {cwd: folder, encoding: 'utf8', maxBuffer: 1e9}));
     const radii = makeRadii(tileset, {pixels, height: there.height, fov: there.fov, aspect: there.aspect});
     check(String(radii.byCell) === String(Float32Array.from(there.byCell)) && String(radii.select) === String(there.select.map(Math.fround)),
           `${pixels} pixels: ${radii.byCell.length} radii are the program's`);
@@ -58,7 +61,7 @@ async function testProgram() {
 
 // As old tilesets are drawn.
 async function testByLevel() {
-  const tileset = await load(), old = await load((json) => {
+  const tileset = await load(), old = await load('tiles', (json) => {
     if (json.extras) delete json.extras.lodestone.signatures;
     return json;
   });
@@ -76,8 +79,10 @@ async function testByLevel() {
   check(few < 0.7 * many && worse === 0, `${few} triangles in 40 views, ${many} with radii by level; in ${worse} views more`);
 }
 
-await runTests(folder, [testProgram, testByLevel], () => {
+await runTests(folder, [testProgram, testHalfLevels, testByLevel], () => {
   writeTorus(240, 120);
   run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '150');
   run('export', 'torus.lode', '--tiles', 'tiles', '--morph');
+  run('build', 'torus.obj', '-o', 'half-levels.lode', '--half-levels', '--cell-triangles', '100');
+  run('export', 'half-levels.lode', '--tiles', 'half-levels', '--morph');
 });

@@ -16,11 +16,15 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per level
-// At least this share of the vertices that may move is kept. In a block with many locked vertices (a corner cut off the
-// surface) a quarter of the triangles would leave hardly any of the others, and the largest errors of the level. A
-// larger share would exceed a quarter in ordinary blocks: 0.25 stores 1.351 times the sphere, 0.2 1.329.
-constexpr double min_share = 0.2;
+// One triangle of `kept` is kept per level, and at least this share of the vertices that may move. In a block with many
+// locked vertices (a corner cut off the surface) a quarter of the triangles would leave hardly any of the others, and
+// the largest errors of the level. A larger share would exceed a quarter in ordinary blocks: 0.25 stores 1.351 times
+// the sphere, 0.2 1.329.
+struct Shares {
+  std::size_t kept;
+  double min;
+};
+constexpr Shares quarters{4, 0.2}, halves{2, 0.45};
 
 class BlockBuilder {
  public:
@@ -30,6 +34,7 @@ class BlockBuilder {
         cells_(input.cells),
         parents_(input.parents),
         sigma0_(input.sigma0),
+        grids_(input.grids),
         attributes_(input.attributes),
         lattice_(input.lattice),
         s_(scratch) {}
@@ -47,7 +52,8 @@ class BlockBuilder {
   }
 
   const SimplifyResult& simplify(Simplifier& simplifier) {
-    const float bound = displacement_bound(sigma0_, block_.level);
+    const float bound = sigma0_ * cell_size(grids_.of(block_.level)) * 0.5f;
+    const auto [kept_share, min_share] = grids_.halves ? halves : quarters;
     const std::size_t target = s_.triangles.size() / kept_share;
     if (!attributes_.wedges)
       return simplifier.simplify(
@@ -163,21 +169,21 @@ class BlockBuilder {
   }
 
   // Lists the survivors that each parent cell uses, in order of appearance, and for each survivor which of the at most
-  // eight parents use it. Without a branch, since new survivors are unpredictable: writes at most one item too many.
+  // 64 parents use it. Without a branch, since new survivors are unpredictable: writes at most one item too many.
   void gather_members(const SimplifyResult& result) {
     s_.used_by.assign(s_.positions.size(), 0);
     if (s_.members.size() <= s_.block_id.size()) s_.members.resize(s_.block_id.size() + 1);
     s_.local.resize(s_.positions.size());
     const std::uint32_t* block_id = s_.block_id.data();
-    std::uint8_t* const used_by = s_.used_by.data();
+    std::uint64_t* const used_by = s_.used_by.data();
     std::uint32_t* const members = s_.members.data();
     std::size_t count = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i) {
       for_each_child(block_.parents[i], [&](const CellBuild& child) {
         for (const std::uint32_t* end = block_id + child.vertex_count(); block_id != end; ++block_id) {
           const std::uint32_t p = result.parent[*block_id];
-          const unsigned known = used_by[p];
-          used_by[p] = static_cast<std::uint8_t>(known | 1u << i);
+          const std::uint64_t known = used_by[p];
+          used_by[p] = known | std::uint64_t{1} << i;
           members[count] = p;
           count += ~known >> i & 1;
         }
@@ -201,9 +207,11 @@ class BlockBuilder {
   // next level, and each must know that the vertex is used beyond its own.
   [[nodiscard]] UsageBox parent_usage(std::uint32_t survivor) const {
     UsageBox box;
-    for (unsigned bits = s_.used_by[survivor]; bits != 0; bits &= bits - 1)
+    for (std::uint64_t bits = s_.used_by[survivor]; bits != 0; bits &= bits - 1)
       box.extend(parent_level_.codes[block_.parents[static_cast<std::size_t>(std::countr_zero(bits))]].coord());
-    if (s_.locked[survivor]) box.extend(s_.usage[s_.usage_of[survivor]].parent());
+    if (!s_.locked[survivor]) return box;
+    const UsageBox& below = s_.usage[s_.usage_of[survivor]];
+    box.extend(grids_.keeps_cells(block_.level) ? below : below.parent());
     return box;
   }
 
@@ -232,7 +240,7 @@ class BlockBuilder {
       child.release_transient();
     });
     s_.normal_sums.assign(members.size(), Float4{});
-    measure_cell(parent, block_.level - 1, sigma0_, s_.normal_sums);
+    measure_cell(parent, grids_.of(block_.level - 1), sigma0_, s_.normal_sums);
     s_.coarse_normals.add({parent.slab.normals, s_.normal_sums, parent.slab.positions, parent.triangles,
                            s_.local_vertex, s_.shared_members});
   }
@@ -324,10 +332,11 @@ class BlockBuilder {
   const LevelCells& parent_level_;
   std::span<CellBuild> cells_, parents_;
   float sigma0_;
+  LevelGrids grids_;
   AttributeSet attributes_;
   Lattice lattice_;
   BlockScratch& s_;
-  std::array<std::size_t, 8> member_end_{};  // of each parent's members
+  std::array<std::size_t, most_parents> member_end_{};  // of each parent's members
 };
 
 }  // namespace

@@ -31,14 +31,14 @@ struct BlockScratch {
   std::vector<std::uint32_t> vertex_ids;
   BlockWedges wedges;
   std::vector<UsageBox> vertex_usage;
-  std::vector<std::uint8_t> vertex_used_by;
+  std::vector<std::uint64_t> vertex_used_by;
   std::vector<std::uint32_t> local_vertex;  // of each vertex of the parent being made
   // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
   std::vector<std::uint32_t> shared;
   std::vector<UsageBox> usage;
   KeyNumbers<std::uint32_t> shared_ids;  // by index in `shared`
   // Splitting into the parents.
-  std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
+  std::vector<std::uint64_t> used_by;   // bit i: the i-th parent uses this survivor
   std::vector<std::uint32_t> members;   // survivors, parent after parent; may be longer
   std::vector<std::uint32_t> local;     // of a survivor in the parent being made
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
@@ -54,6 +54,7 @@ struct BlockInput {
   const LevelCells& parent_level;
   std::span<CellBuild> cells, parents;  // builds of levels block.level and block.level - 1, by rank
   float sigma0 = 0;
+  LevelGrids grids = {};
   AttributeSet attributes = {};
   Lattice lattice = {};  // vertices remain on it, if there is one
 };

@@ -95,8 +95,8 @@ void sort_by_material(CellBuild& cell) {
   });
 }
 
-void set_box_statistics(CellBuild& cell, int level) {
-  const float per_h = 1 / cell_size(level);
+void set_box_statistics(CellBuild& cell, int grid) {
+  const float per_h = 1 / cell_size(grid);
   // Both norms in one pass, four vertices at a time; the Euclidean one squared, since the square root keeps the order.
   const std::span<const Vec3f> p = cell.slab.positions;
   const Box3f& box = cell.bounds;
@@ -117,13 +117,13 @@ void set_box_statistics(CellBuild& cell, int level) {
   cell.diameter = length_above(dot(diagonal, diagonal), per_h);
 }
 
-void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths) {
-  cell.max_edge = length_above(lengths.longest2(), 1 / cell_size(level));
+void set_edge_statistics(CellBuild& cell, int grid, const EdgeLengths& lengths) {
+  cell.max_edge = length_above(lengths.longest2(), 1 / cell_size(grid));
   cell.long_edges = lengths.over();
 }
 
-void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> normals) {
-  EdgeLengths lengths(sigma0 * cell_size(level));
+void measure_cell(CellBuild& cell, int grid, float sigma0, std::span<Float4> normals) {
+  EdgeLengths lengths(sigma0 * cell_size(grid));
   for (const Triangle& t : cell.triangles) {
     const Float4 a = to_float4(cell.slab.positions[t.v[0]]), b = to_float4(cell.slab.positions[t.v[1]]),
                  c = to_float4(cell.slab.positions[t.v[2]]);
@@ -134,8 +134,8 @@ void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> no
     normal[3] = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (const std::uint32_t v : t.v) normals[v] += normal;
   }
-  set_edge_statistics(cell, level, lengths);
-  set_box_statistics(cell, level);
+  set_edge_statistics(cell, grid, lengths);
+  set_box_statistics(cell, grid);
 }
 
 }  // namespace lodestone

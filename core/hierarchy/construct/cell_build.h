@@ -12,7 +12,7 @@
 
 namespace lodestone {
 
-// Bounding box, in cell coordinates of one level, of the cells that use a vertex. A vertex is used outside a block if
+// Bounding box, in cell coordinates of one grid, of the cells that use a vertex. A vertex is used outside a block if
 // and only if this box leaves that of the block: locking needs nothing else, and it takes 12 bytes.
 //
 // Above the finest level the box of a copy may lack cells that a neighbouring block added by collapses. It always has
@@ -22,7 +22,7 @@ struct UsageBox {
   CellCoord lo{0xffff, 0xffff, 0xffff}, hi{0, 0, 0};
   void extend(CellCoord c);
   void extend(const UsageBox& box);
-  [[nodiscard]] UsageBox parent() const;  // the same on the next coarser level
+  [[nodiscard]] UsageBox parent() const;  // the same in the next coarser grid
   [[nodiscard]] bool inside(const UsageBox& range) const;
 };
 
@@ -102,11 +102,11 @@ void view_payload(const CellBuild& build, bool has_parents, Cell& cell);
 void sort_by_material(CellBuild& cell);
 
 // Fills reach and diameter from the positions and the bounds.
-void set_box_statistics(CellBuild& cell, int level);
+void set_box_statistics(CellBuild& cell, int grid);
 // Fills max_edge and long_edges; `lengths` has the limit sigma0 h_l.
-void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths);
+void set_edge_statistics(CellBuild& cell, int grid, const EdgeLengths& lengths);
 // Both, from the payload and the bounds. `normals`, one of each vertex, or empty: the cross products of the triangles
 // at the vertex are added to it, their components in the order z, x, y, and behind them their lengths.
-void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> normals = {});
+void measure_cell(CellBuild& cell, int grid, float sigma0, std::span<Float4> normals = {});
 
 }  // namespace lodestone

@@ -89,17 +89,17 @@ void join_normals(const FinestVertices& all, std::size_t first_shared, CellBuild
 
 }  // namespace
 
-std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int level, float sigma0,
+std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int grid, float sigma0,
                                          CellBuild& cell, FinestCellScratch& s) {
   const std::size_t first_shared = move_shared_last(all, cell, s);
   place_vertices(all, first_shared, cell, s);
-  const EdgeLengths lengths = visit_triangles(sigma0 * cell_size(level), cell, s);
+  const EdgeLengths lengths = visit_triangles(sigma0 * cell_size(grid), cell, s);
   s.triangles.assign(cell.triangles.begin(), cell.triangles.end());
-  sort_compactly(s.triangles, s.positions, code, level, cell.triangles, s.boxes);
+  sort_compactly(s.triangles, s.positions, code, grid, cell.triangles, s.boxes);
   if (all.attributes.wedges) join_normals(all, first_shared, cell, s);
   pack_normals(std::span(s.normals).first(first_shared), cell.slab.normals);
-  set_edge_statistics(cell, level, lengths);
-  set_box_statistics(cell, level);
+  set_edge_statistics(cell, grid, lengths);
+  set_box_statistics(cell, grid);
   return std::span(s.normals).subspan(first_shared);
 }
 

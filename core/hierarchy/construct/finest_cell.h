@@ -44,8 +44,8 @@ struct FinestCellScratch {
 //
 // Returns the contributions of this cell's triangles to the normals of the shared vertices, in the order of shared_ids:
 // sums of cross products, so weighted by area. Valid until the next call.
-[[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int level,
-                                                       float sigma0, CellBuild& cell, FinestCellScratch& scratch);
+[[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, CellCode code, int grid, float sigma0,
+                                                       CellBuild& cell, FinestCellScratch& scratch);
 
 // Fills the attributes of the cell's wedges, replaces normals by those of the input, and groups triangles by material.
 // Called when the normals of shared vertices are known.

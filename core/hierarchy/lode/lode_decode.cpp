@@ -81,6 +81,7 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   if (h.features & lode_up)
     hierarchy.transform.up = {static_cast<UpAxis>(h.up & ~lode_guessed_up), (h.up & lode_guessed_up) != 0};
   hierarchy.sigma0 = h.sigma0;
+  hierarchy.grids.halves = (h.features & lode_half_levels) != 0;
   const auto has = [&](LodeFeatures feature) { return (h.features & feature) != 0; };
   hierarchy.attributes = {
       .wedges = has(lode_wedges), .uv = has(lode_uv), .colours = has(lode_colours), .materials = has(lode_materials)};

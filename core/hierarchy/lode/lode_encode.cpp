@@ -53,7 +53,8 @@ std::uint16_t features_of(const Hierarchy& hierarchy, const LodeLayout& layout) 
       (a.materials ? lode_materials : 0) | (p.measured_errors ? lode_measured_errors : 0) |
       (p.refined ? lode_refined : 0) | (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) |
       (has_surfaces(hierarchy) ? lode_surfaces : 0) | (has_named_simplifier(hierarchy) ? lode_named_simplifier : 0) |
-      (hierarchy.transform.up == Up{} ? 0 : lode_up) | lode_signatures);
+      (hierarchy.transform.up == Up{} ? 0 : lode_up) | (hierarchy.grids.halves ? lode_half_levels : 0) |
+      lode_signatures);
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {

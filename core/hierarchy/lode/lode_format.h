@@ -55,7 +55,8 @@ enum LodeFeatures : std::uint16_t {
   lode_named_simplifier = 1024,  // the assets begin with its name
   lode_signatures = 2048,        // the assets have signatures; files of older programs have none
   lode_short_indices = 4096,     // PayloadCounts::short_indices: plain files whose cells have at most 65,536 vertices
-  lode_known_features = 8191,
+  lode_half_levels = 8192,       // LevelGrids::halves
+  lode_known_features = 16383,
 };
 
 inline constexpr std::uint8_t lode_guessed_up = 128;

@@ -1,7 +1,7 @@
-// Cells of the cubic grid: level, integer coordinates, Morton order.
+// Cells of the cubic grids: integer coordinates, Morton order.
 //
-// The root cell (level 0) is the unit cube; a cell of level l has side 2^-l. Cells are half-open, [i, i+1) 2^-l; what
-// lies on a far face of the root belongs to the last cell.
+// The cell of grid 0 is the unit cube; a cell of grid g has side 2^-g. Cells are half-open, [i, i+1) 2^-g; what lies on
+// a far face of the cube belongs to the last cell.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct CellCoord {
   friend constexpr bool operator==(const CellCoord&, const CellCoord&) = default;
 };
 
-// Side length h_l of the cells of a level.
-[[nodiscard]] constexpr float cell_size(int level) { return 1.0f / static_cast<float>(1u << level); }
+// Side length of the cells of a grid.
+[[nodiscard]] constexpr float cell_size(int grid) { return 1.0f / static_cast<float>(1u << grid); }
 
 // Spreads the low 16 bits of v to every third bit.
 [[nodiscard]] constexpr std::uint64_t spread3(std::uint64_t v) {
@@ -39,7 +39,8 @@ struct CellCoord {
   return static_cast<std::uint16_t>(v);
 }
 
-// A cell of a given level by its Morton code: the bits of x, y, z interleaved, x lowest. The parent is code >> 3.
+// A cell of a given grid by its Morton code: the bits of x, y, z interleaved, x lowest. That of the next
+// coarser grid is code >> 3.
 struct CellCode {
   std::uint64_t morton = 0;
 
@@ -53,6 +54,25 @@ struct CellCode {
   friend constexpr auto operator<=>(const CellCode&, const CellCode&) = default;
 };
 
+// Which grid the levels of a hierarchy lie in: level l in grid l. With half levels two levels share each grid but that
+// of the root, of which the coarser has the same cells and half of the triangles.
+struct LevelGrids {
+  bool halves = false;
+
+  [[nodiscard]] constexpr int of(int level) const { return halves ? (level + 1) / 2 : level; }
+  // The level of the whole grid, both of whose levels are in the hierarchy; at most max_level.
+  [[nodiscard]] constexpr int finest_level(int grid) const {
+    const int level = halves ? 2 * grid : grid;
+    return level < max_level ? level : max_level;
+  }
+  // True if the cells of the level and their parents are the same.
+  [[nodiscard]] constexpr bool keeps_cells(int level) const { return halves && level > 0 && level % 2 == 0; }
+  [[nodiscard]] constexpr CellCode parent(CellCode cell, int level) const {
+    return keeps_cells(level) ? cell : cell.parent();
+  }
+  friend constexpr bool operator==(const LevelGrids&, const LevelGrids&) = default;
+};
+
 // The barycentre in the arithmetic that decides the partition: float, in this order. Verifiers use it too, since the
 // cell of a triangle is a matter of definition, not of accuracy.
 [[nodiscard]] constexpr Vec3f barycentre(Vec3f a, Vec3f b, Vec3f c) {
@@ -61,9 +81,9 @@ struct CellCode {
 }
 
 // Cell of a point of the unit cube.
-[[nodiscard]] constexpr CellCoord cell_of(Vec3f p, int level) {
-  const auto n = static_cast<float>(1u << level);
-  const auto last = static_cast<std::uint32_t>((1u << level) - 1);
+[[nodiscard]] constexpr CellCoord cell_of(Vec3f p, int grid) {
+  const auto n = static_cast<float>(1u << grid);
+  const auto last = static_cast<std::uint32_t>((1u << grid) - 1);
   const auto slot = [&](float v) {
     const float scaled = v * n;
     if (!(scaled > 0)) return std::uint16_t{0};

@@ -129,16 +129,16 @@ class CellGroups {
 // The part of a position is the group of the cell that it lies in, or of the one before it.
 class PartFinder {
  public:
-  PartFinder(std::span<const Cell> cells, const CellGroups& groups, int level) : level_(level) {
+  PartFinder(std::span<const Cell> cells, const CellGroups& groups, int grid) : grid_(grid) {
     for (std::size_t g = 1; g < groups.count(); ++g) begin_.push_back(cells[groups.begin(g)].code);
   }
   [[nodiscard]] CellGroups::Part part_of(Vec3f position) const {
-    const auto after = std::ranges::upper_bound(begin_, CellCode::from(cell_of(position, level_)));
+    const auto after = std::ranges::upper_bound(begin_, CellCode::from(cell_of(position, grid_)));
     return static_cast<CellGroups::Part>(after - begin_.begin());
   }
 
  private:
-  int level_;
+  int grid_;
   std::vector<CellCode> begin_;  // first cells of the groups, but for the first one
 };
 
@@ -287,7 +287,8 @@ void SignatureFinder::end_level() {
   const Level& level = this->level();
   const CellGroups groups(level.cell_count);
   const int number = static_cast<int>(table_.sets.size());
-  const Copies copies = sort_copies(shared_, PartFinder(tables_.cells_of(number), groups, number), groups, runner_);
+  const Copies copies =
+      sort_copies(shared_, PartFinder(tables_.cells_of(number), groups, tables_.grids.of(number)), groups, runner_);
   std::vector<std::uint32_t> set_of(copies.sorted.size());  // by copy
   std::vector<PartSets> parts(copies.parts());
   runner_.run(parts.size(),

@@ -1,8 +1,8 @@
 // The hierarchical level of detail, in memory: a table of levels, a table of cells, and views of the cells' payloads.
 //
 // The payloads are in `storage` (blocks of the builder, or a mapped .lode file); a Hierarchy is cheap to move, and
-// copies share it. Notation follows docs/architecture.md: level 0 is the root, level `finest` the input; h_l = 2^-l;
-// P maps the vertices of level l to vertices of level l-1.
+// copies share it. Notation follows docs/architecture.md: level 0 is the root, level `finest` the input; h_l is the
+// side of the cells of level l; P maps the vertices of level l to vertices of level l-1.
 #pragma once
 
 #include <array>
@@ -125,6 +125,7 @@ class Signatures;
 struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
+  LevelGrids grids;
   Provenance provenance;
   std::vector<Level> levels;  // [0] is the root
   std::vector<Cell> cells;    // by level, then Morton code
@@ -145,9 +146,10 @@ struct Hierarchy {
     return std::span(cells).subspan(l.first_cell, l.cell_count);
   }
   [[nodiscard]] int level_of(CellId cell) const;
+  // h_l.
+  [[nodiscard]] float cell_size(int level) const { return lodestone::cell_size(grids.of(level)); }
+  // The bound of d(v, P(v)) for vertices of level l: sigma0 h_l / 2.
+  [[nodiscard]] float displacement_bound(int level) const { return sigma0 * cell_size(level) * 0.5f; }
 };
-
-// Bound of (1) for vertices of level l: sigma0 h_l / 2.
-[[nodiscard]] constexpr float displacement_bound(float sigma0, int level) { return sigma0 * cell_size(level) * 0.5f; }
 
 }  // namespace lodestone

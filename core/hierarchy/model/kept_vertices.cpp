@@ -117,7 +117,7 @@ class CellCensus {
 
 KeptVertices find_kept(const Hierarchy& hierarchy) {
   KeptVertices kept{.level = most_excessive(hierarchy)};
-  const float bound = displacement_bound(hierarchy.sigma0, kept.level + 1);
+  const float bound = hierarchy.displacement_bound(kept.level + 1);
   const std::span<const Cell> cells = hierarchy.cells_of(kept.level);
   const std::uint64_t all = hierarchy.levels[static_cast<std::size_t>(kept.level)].triangles;
   const std::size_t stride = 1 + static_cast<std::size_t>(all / most_triangles);

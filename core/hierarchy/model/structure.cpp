@@ -36,7 +36,7 @@ const char* level_fault(const Hierarchy& h) {
 
 const char* cell_fault(const Hierarchy& h, int l, CellId c) {
   const Cell& cell = h.cells[c];
-  if (cell.code.morton >> (3 * l) != 0) return "lies outside the grid";
+  if (cell.code.morton >> (3 * h.grids.of(l)) != 0) return "lies outside the grid";
   if (c > h.levels[static_cast<std::size_t>(l)].first_cell && !(h.cells[c - 1].code < cell.code))
     return "is not in Morton order";
   if (!is_finite(cell.bounds.lo) || !is_finite(cell.bounds.hi) || cell.bounds.empty()) return "has no finite box";
@@ -52,7 +52,8 @@ const char* children_fault(const Hierarchy& h, int l, CellId c, std::uint64_t& n
       next_child + cell.child_count > h.cells.size())
     return "has children out of range";
   for (CellId k = cell.first_child; k < cell.end_child(); ++k)
-    if (h.cells[k].parent != c || h.cells[k].code.parent() != cell.code) return "has a child of another parent";
+    if (h.cells[k].parent != c || h.grids.parent(h.cells[k].code, l + 1) != cell.code)
+      return "has a child of another parent";
   next_child += cell.child_count;
   return nullptr;
 }

@@ -207,6 +207,7 @@ class TreeEncoder {
                  {"error", error},
                  {"texels", texels_},
                  {"thumbnails", thumbnails_}};
+    if (hierarchy_.grids.halves) figures["half_levels"] = true;
     if (config_.signatures) figures["signatures"] = signatures_path;
     return figures;
   }

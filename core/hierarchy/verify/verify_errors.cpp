@@ -182,7 +182,7 @@ constexpr double measured_slack = 0.06;
 
 std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
   const bool measured = hierarchy.provenance.measured_errors;
-  const double longest = double{hierarchy.levels.back().max_edge} * cell_size(hierarchy.finest());
+  const double longest = double{hierarchy.levels.back().max_edge} * hierarchy.cell_size(hierarchy.finest());
   std::vector<Allowed> allowed(hierarchy.cells.size());
   std::vector<double> moved(hierarchy.cells.size());
   for (std::size_t c = hierarchy.cells.size(); c-- > 0;) {
@@ -235,7 +235,7 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
       });
       largest = std::max(largest, error);
     }
-    check_bound(errors, "error", l, level.error, largest / cell_size(l));
+    check_bound(errors, "error", l, level.error, largest / hierarchy.cell_size(l));
     if (hierarchy.signatures) check_signature_errors(hierarchy, l, errors);
     if (l == hierarchy.finest()) continue;
     if (!measured) of_vertices = check_estimated(hierarchy, l, of_vertices, errors);
@@ -245,7 +245,7 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
       const double error = hierarchy.cells[cell].error;
       if (measured)
         errors.require(distance <= error * (1 + relative_slack), [&] {
-          const auto in_cells = [l](double d) { return in_digits(d / cell_size(l)) + " h"; };
+          const auto in_cells = [h = hierarchy.cell_size(l)](double d) { return in_digits(d / h) + " h"; };
           return place(l, cell) + ": a point is " + in_cells(distance) +
                  " from the other surface, the error stored is " + in_cells(error);
         });

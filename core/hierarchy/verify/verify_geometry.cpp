@@ -18,7 +18,7 @@ struct LevelEdges {
 
 LevelEdges edges_of(const Hierarchy& hierarchy, int level) {
   LevelEdges result;
-  const double limit = double{hierarchy.sigma0} * cell_size(level);
+  const double limit = double{hierarchy.sigma0} * hierarchy.cell_size(level);
   for (const Cell& cell : hierarchy.cells_of(level))
     for (const Triangle& t : cell.triangles)
       for (std::size_t e = 0; e < 3; ++e) {
@@ -47,7 +47,7 @@ void check_bound(Finding& finding, const char* what, int level, float stored, do
 void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
   displacement.require(hierarchy.cells[0].max_displacement == 0, [] { return "the root cell has a displacement"; });
   for (int l = 1; l <= hierarchy.finest(); ++l) {
-    const double limit = double{hierarchy.sigma0} * cell_size(l) / 2;
+    const double h = hierarchy.cell_size(l), limit = double{hierarchy.sigma0} * h / 2;
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
       const Cell& cell = hierarchy.cells[c];
@@ -56,8 +56,8 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
       for (VertexId v{0}; v < cell.positions.size(); ++v) {
         const double moved = distance(cell.positions[v], above[cell.parents[v]]);
         displacement.require(moved <= limit, [&] {
-          return place(l, c, v) + ": moves by " + std::to_string(moved / cell_size(l)) +
-                 " h to its parent, more than " + std::to_string(limit / cell_size(l)) + " h";
+          return place(l, c, v) + ": moves by " + std::to_string(moved / h) + " h to its parent, more than " +
+                 std::to_string(limit / h) + " h";
         });
         largest = std::max(largest, moved);
       }
@@ -77,8 +77,8 @@ void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
                       [&] { return place(hierarchy.level_of(c), c, v) + ": not on the lattice"; });
 }
 
-// By (1) the image of an edge of at most sigma0 h_l has at most 2 sigma0 h_l = sigma0 h_{l-1}: long edges of a coarse
-// level come from long edges of the finer one.
+// The image of an edge of at most sigma0 h_l has at most 2 sigma0 h_l: where that is sigma0 h_{l-1}, long edges of a
+// coarse level come from long edges of the finer one.
 void check_edges(const Hierarchy& hierarchy, Finding& edges) {
   bool all_short = true;
   edges.require(!hierarchy.provenance.refined || edges_of(hierarchy, hierarchy.finest()).surely_long == 0,
@@ -86,12 +86,12 @@ void check_edges(const Hierarchy& hierarchy, Finding& edges) {
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     const LevelEdges found = edges_of(hierarchy, l);
-    check_bound(edges, "longest edge", l, level.max_edge, found.longest / cell_size(l));
+    check_bound(edges, "longest edge", l, level.max_edge, found.longest / hierarchy.cell_size(l));
     edges.require(level.long_edges >= found.surely_long && level.long_edges <= found.perhaps_long, [&] {
       return "level " + std::to_string(l) + ": " + std::to_string(level.long_edges) + " long half-edges stored, " +
              std::to_string(found.surely_long) + " found";
     });
-    if (l < hierarchy.finest())
+    if (l < hierarchy.finest() && !hierarchy.grids.keeps_cells(l + 1))
       edges.require(!all_short || found.surely_long == 0, [&] {
         return "level " + std::to_string(l) + ": " + std::to_string(found.surely_long) +
                " half-edges longer than sigma0 h, and none on the finer level";
@@ -124,7 +124,7 @@ void check_reach(const Hierarchy& hierarchy, Finding& reach) {
       }
     }
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    const double h = cell_size(l);
+    const double h = hierarchy.cell_size(l);
     check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], euclidean / h);
     check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], chebyshev / h);
     check_bound(reach, "diameter", l, level.diameter, diameter / h);

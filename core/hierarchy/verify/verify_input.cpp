@@ -193,7 +193,7 @@ void check_partition(const Hierarchy& hierarchy, Finding& partition) {
     for (const Triangle& t : cell.triangles) {
       for (const std::uint32_t v : t.v) used[v] = 1;
       const Vec3f centre = barycentre(cell.positions[t.v[0]], cell.positions[t.v[1]], cell.positions[t.v[2]]);
-      partition.require(CellCode::from(cell_of(centre, l)) == cell.code,
+      partition.require(CellCode::from(cell_of(centre, hierarchy.grids.of(l))) == cell.code,
                         [&] { return place(l, c) + ": a triangle has its barycentre in another cell"; });
     }
     for (VertexId v{0}; v < cell.positions.size(); ++v) {
@@ -233,7 +233,7 @@ void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& 
   if (!hierarchy.provenance.refined) {
     compare(InputTriangles(input), input.triangles.size(), kept, kept_count, same);
   } else {
-    const RefinedTriangles given(input, double{hierarchy.sigma0} * cell_size(hierarchy.finest()));
+    const RefinedTriangles given(input, double{hierarchy.sigma0} * hierarchy.cell_size(hierarchy.finest()));
     compare(given, given.size(), kept, kept_count, same);
   }
 }

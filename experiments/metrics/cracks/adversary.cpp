@@ -82,7 +82,7 @@ AdversarialView view_of_vertex(const ViewedLevel& viewed, CellId id, VertexId u)
   view.refined = view.other != no_cell && unrefined(view.other);
   view.viewpoint = view.refined ? inside : outside;
   view.across = view.refined ? outside : inside;
-  view.reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds) / cell_size(level);
+  view.reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds) / hierarchy.cell_size(level);
   return view;
 }
 

@@ -62,7 +62,7 @@ double bound_between(std::span<const double> bounds, int level, int other) {
 double way_between(const Hierarchy& hierarchy, int level, int other) {
   const auto [low, high] = std::minmax(level, other);
   double way = 0;
-  for (int l = std::max(low, 1); l <= high; ++l) way += displacement_bound(hierarchy.sigma0, l);
+  for (int l = std::max(low, 1); l <= high; ++l) way += hierarchy.displacement_bound(l);
   return way;
 }
 
@@ -223,7 +223,7 @@ std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& 
     const double shift = adaptive ? radius_shift(before, after, l)
                                   : std::max(std::abs(to.begin - from.begin), std::abs(to.end - from.end));
     const double way = step + shift + sinking * std::max(from.end, to.end) + view_rounding * std::max(from.end, to.end);
-    bounds[l] = displacement_bound(hierarchy.sigma0, static_cast<int>(l)) * lipschitz * way;
+    bounds[l] = hierarchy.displacement_bound(static_cast<int>(l)) * lipschitz * way;
   }
   return bounds;
 }

@@ -23,7 +23,7 @@ struct Placed {
   Box3f bounds;  // grown by what vertices move
   Placed(const ModelFrame& model, ImageSize size) : morph(&model.morph), unproject(model.view_projection, size) {
     bounds = model.morph.hierarchy->cells.front().bounds;
-    const float margin = displacement_bound(model.morph.hierarchy->sigma0, 1) + 1e-3f;  // and by rounding
+    const float margin = model.morph.hierarchy->displacement_bound(1) + 1e-3f;  // and by rounding
     bounds.lo = bounds.lo - Vec3f{margin, margin, margin};
     bounds.hi = bounds.hi + Vec3f{margin, margin, margin};
   }

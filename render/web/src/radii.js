@@ -34,11 +34,11 @@ function radiusOverError({pixels, height, fov, aspect}) {
 }
 
 // Radii are 32-bit floats, as limits are made of them, rounded up so that the tolerance holds.
-function radiiByLevel({reach, error, finest}, {beta = 0.5, ...view}) {
-  const perError = radiusOverError(view), wanted = (l) => 2 ** -l * error[l] * perError;
+function radiiByLevel({sides, reach, error, finest}, {beta = 0.5, ...view}) {
+  const perError = radiusOverError(view), wanted = (l) => sides[l] * error[l] * perError;
   const select = new Array(finest + 1).fill(0), begin = new Array(finest + 1).fill(0), end = new Array(finest + 1).fill(Infinity);
   for (let l = finest; l >= 1; --l) {
-    const h = 2 ** -l, last = l === finest, from = last ? 0 : (select[l] + reach[l] * h) * (1 + GUARD);
+    const h = sides[l], last = l === finest, from = last ? 0 : (select[l] + reach[l] * h) * (1 + GUARD);
     select[l - 1] = Math.fround(Math.max(wanted(l - 1), (from + beta * h) / (1 - GUARD) * (1 + GUARD)) * (1 + 2 ** -23));
     end[l] = select[l - 1] * (1 - GUARD);
     begin[l] = last ? Math.max(0, Math.min(end[l] - beta * h, (select[l - 1] / 2 + reach[l] * h) * (1 + GUARD))) : from;
@@ -78,15 +78,15 @@ function makeNeeds({cells, signatures, finest}) {
 
 // The box rule (docs/decisions/0055), fine to coarse.
 function radiiByCell(tileset, {beta = 0.5, ...view}) {
-  const {cells, finest} = tileset, {errors, pairs} = needsOf(tileset), perError = radiusOverError(view);
+  const {cells, finest, sides} = tileset, {errors, pairs} = needsOf(tileset), perError = radiusOverError(view);
   const byCell = errors.map((error) => floatAbove(error * perError));
   pairs.forEach(({cells: users, parents, apart}, k) => {
-    const band = beta * 2 ** (k - finest);
+    const band = beta * sides[finest - k];
     for (let i = 0; i < users.length; ++i)
       byCell[parents[i]] = Math.max(byCell[parents[i]], floatAbove((byCell[users[i]] + (apart[i] + band)) * (1 + GUARD)));
   });
-  beginMorphs(byCell, tileset, pairs[0], beta * 2 ** -finest);
-  return {...bandsOf(byCell, cells, finest, beta), byCell};
+  beginMorphs(byCell, tileset, pairs[0], beta * sides[finest]);
+  return {...bandsOf(byCell, tileset, beta), byCell};
 }
 
 // On the finest level, where nothing is refined: half of the way, as far as the constraint leaves room.
@@ -98,11 +98,11 @@ function beginMorphs(byCell, {cells, finest}, pairs, band) {
   });
 }
 
-function bandsOf(byCell, cells, finest, beta) {
+function bandsOf(byCell, {cells, finest, sides}, beta) {
   const begin = new Array(finest + 1).fill(0);
   for (const {index, level} of cells) begin[level] = Math.max(begin[level], byCell[index]);
   const select = begin.map((r, l) => (l === finest ? 0 : r));
-  const end = begin.map((r, l) => neighbour(r + beta * 2 ** -l, -1));
+  const end = begin.map((r, l) => neighbour(r + beta * sides[l], -1));
   begin[0] = end[0] = Infinity;
   return {select, begin, end};
 }

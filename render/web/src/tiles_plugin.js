@@ -88,7 +88,7 @@ export class MorphPlugin {
                        parentUv: a._parenttexcoord ?? a.uv, parentColor: a._parentcolor ?? a.color};
       for (const [name, values] of Object.entries(parents)) if (values) geometry.setAttribute(name, values);
       for (const name of ['_parent', '_parentnormal', '_parenttexcoord', '_parentcolor']) geometry.deleteAttribute(name);
-      geometry.boundingSphere.radius += figures.sigma0 * 2 ** -cell.level / 2;  // as far as vertices may travel
+      geometry.boundingSphere.radius += figures.sigma0 * figures.sides[cell.level] / 2;  // as far as vertices may travel
       materials.add(material);
       mesh.userData.morph = uniforms;
     });

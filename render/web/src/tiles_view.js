@@ -189,7 +189,7 @@ export class TilesView {
     return ({bounds, level}) => {
       box.min.fromArray(bounds);
       box.max.fromArray(bounds, 3);
-      return frustum.intersectsBox(box.expandByScalar(this.tileset.sigma0 * 2 ** -level / 2));
+      return frustum.intersectsBox(box.expandByScalar(this.tileset.sigma0 * this.tileset.sides[level] / 2));
     };
   }
 

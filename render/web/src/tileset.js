@@ -21,8 +21,9 @@ export function figuresOf(json, url) {
   const figures = json.extras?.lodestone;
   if (!figures) throw new Problem(`${url}: has no figures for morphing; export it with --morph`);
   if (!areFigures(figures)) throw new Problem(`${url}: the figures of its levels contradict each other; the file is damaged`);
-  const {sigma0, scale, reach, error} = figures;
-  return {sigma0, scale, reach: reach.map((r) => r.euclidean), error, finest: reach.length - 1};
+  const {sigma0, scale, reach, error, half_levels: halves = false} = figures;
+  const sides = reach.map((_, l) => 2 ** -(halves ? (l + 1) >> 1 : l));  // of the cells, by level
+  return {sigma0, scale, sides, reach: reach.map((r) => r.euclidean), error, finest: reach.length - 1};
 }
 
 export async function loadTileset(url, fetchJson) {

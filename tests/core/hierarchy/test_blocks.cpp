@@ -72,13 +72,14 @@ struct SmallBuild {
 };
 
 // The finest level by maps and sets.
-SmallBuild start(const IndexedMesh& mesh, int finest) {
+SmallBuild start(const IndexedMesh& mesh, int finest, LevelGrids grids = {}) {
+  const int grid = grids.of(finest);
   SmallBuild build;
   std::map<CellCode, std::vector<Triangle>> by_cell;
   std::map<std::uint32_t, std::set<CellCode>> cells_of;
   for (const Triangle& t : mesh.triangles) {
     const CellCode code = CellCode::from(
-        cell_of(barycentre(mesh.positions[t.v[0]], mesh.positions[t.v[1]], mesh.positions[t.v[2]]), finest));
+        cell_of(barycentre(mesh.positions[t.v[0]], mesh.positions[t.v[1]], mesh.positions[t.v[2]]), grid));
     by_cell[code].push_back(t);
     for (const std::uint32_t v : t.v) cells_of[v].insert(code);
   }
@@ -87,7 +88,7 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
     codes.push_back(code);
     build.triangles.insert(build.triangles.end(), list.begin(), list.end());
   }
-  build.plan = plan_blocks(codes, finest);
+  build.plan = plan_blocks(codes, finest, grids);
   for (const LevelCells& level : build.plan.levels) build.cells.emplace_back(level.codes.size());
 
   FinestVertices vertices{mesh.positions, std::vector<std::uint32_t>(mesh.positions.size(), 0), 0};
@@ -102,7 +103,7 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
     numbers.clear();
     for (Triangle& t : cell.triangles) numbers.number(t.v, t.v.data());
     cell.ids.assign(numbers.keys().begin(), numbers.keys().end());
-    (void)make_finest_cell(vertices, codes[c], finest, 1, cell, scratch);
+    (void)make_finest_cell(vertices, codes[c], grid, 1, cell, scratch);
     for (const std::uint32_t v : cell.slab.shared_ids) {
       UsageBox box;
       for (const CellCode user : cells_of.at(v)) box.extend(user.coord());
@@ -125,8 +126,7 @@ std::map<std::uint32_t, std::set<CellRank>> users(const std::vector<CellBuild>& 
 
 class Blocks : public testing::TestWithParam<IndexedMesh (*)()> {};
 
-TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) {
-  SmallBuild build = start(GetParam()(), 5);
+void expect_exact_locks(SmallBuild build) {
   RandomSimplifier simplifier;
   BlockScratch scratch;
   for (std::size_t level = build.plan.levels.size() - 1; level > 0; --level) {
@@ -137,7 +137,8 @@ TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) {
       std::set<CellRank> inside;
       for (const CellRank p : block.parents)
         for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) inside.insert(c);
-      build_block({block, parents, build.cells[level], build.cells[level - 1], 1}, simplifier, scratch);
+      build_block({block, parents, build.cells[level], build.cells[level - 1], 1, build.plan.grids}, simplifier,
+                  scratch);
       for (std::size_t v = 0; v < scratch.ids.size(); ++v) {
         bool used_outside = false;
         for (const CellRank c : used_by.at(scratch.ids[v])) used_outside |= !inside.contains(c);
@@ -155,6 +156,12 @@ TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) {
         }
       }
   }
+}
+
+TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) { expect_exact_locks(start(GetParam()(), 5)); }
+
+TEST_P(Blocks, OfHalfLevelsDoSoToo) {
+  for (const int finest : {8, 9}) expect_exact_locks(start(GetParam()(), finest, {true}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, Blocks,
@@ -209,6 +216,31 @@ TEST(BlockPlan, GroupsSiblingsAndShiftsFromLevelToLevel) {
       EXPECT_EQ(block.range.hi.x % 4, 1);
     }
     EXPECT_EQ(made.size(), plan.levels[l - 1].codes.size());
+  }
+}
+
+// Planes at 0 modulo 4 where parents are the same cells, at 2 modulo 4 where they are not: none of a block is one of
+// the next coarser level.
+TEST(BlockPlan, HalfLevelsKeepTheCellsEveryOtherTime) {
+  std::vector<CellCode> codes;
+  for (std::uint64_t morton = 0; morton < 512; ++morton) codes.push_back({morton});
+  const BlockPlan plan = plan_blocks(codes, 6, {true});
+  ASSERT_EQ(plan.levels.size(), 7u);
+  for (std::size_t l = 1; l < 7; ++l) {
+    const bool same = l % 2 == 0;
+    EXPECT_EQ(plan.levels[l].codes.size(), std::size_t{1} << 3 * ((l + 1) / 2));
+    EXPECT_EQ(plan.levels[l].codes == plan.levels[l - 1].codes, same);
+    for (std::uint32_t b = plan.first_block[l]; b < plan.first_block[l] + plan.block_count[l]; ++b) {
+      const Block& block = plan.blocks[b];
+      EXPECT_LE(block.parents.size(), most_parents);
+      EXPECT_TRUE(block.range.lo.x == 0 || block.range.lo.x % 4 == (same ? 0 : 2));
+      for (const CellRank p : block.parents)
+        for (CellRank c = plan.levels[l - 1].first_child[p]; c < plan.levels[l - 1].first_child[p + 1]; ++c) {
+          UsageBox box;
+          box.extend(plan.levels[l].codes[c].coord());
+          EXPECT_TRUE(box.inside(block.range));
+        }
+    }
   }
 }
 

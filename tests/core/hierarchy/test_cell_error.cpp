@@ -273,8 +273,12 @@ TEST(CellError, OfNeedlesIsABoundWithinTheTestsAllowed) {
   double found = 0, exact = HUGE_VAL;
   for (const std::uint64_t tests : {std::uint64_t{0}, 1000 * triangles, 50 * triangles, std::uint64_t{1}}) {
     CellErrorMeter meter;
-    const CellError error = meter.measure(
-        {.level = level, .cell = CellRank(0), .finest = finest, .first = CellRank(0), .end = CellRank(1), .tests = tests});
+    const CellError error = meter.measure({.level = level,
+                                           .cell = CellRank(0),
+                                           .finest = finest,
+                                           .first = CellRank(0),
+                                           .end = CellRank(1),
+                                           .tests = tests});
     found = std::max(found, error.found);
     if (tests == 0) exact = error.bound;
     EXPECT_GE(error.bound, found);

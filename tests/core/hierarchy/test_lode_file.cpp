@@ -1,7 +1,5 @@
 // .lode files: what is written comes back, equal input gives equal bytes, and nothing altered is let in.
-#define XXH_INLINE_ALL
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <cmath>
 #include <cstring>
@@ -16,7 +14,7 @@
 #include "core/hierarchy/model/find_signatures.h"
 #include "core/mesh/clean.h"
 #include "parallel/hierarchy/save.h"
-#include "tests/core/hierarchy/lattice_meshes.h"
+#include "tests/core/hierarchy/lode_bytes.h"
 #include "tests/expect_error.h"
 #include "tests/old_lode.h"
 #include "tests/test_folder.h"
@@ -24,71 +22,7 @@
 namespace lodestone {
 namespace {
 
-namespace fs = std::filesystem;
-using Bytes = std::vector<char>;
-
-class LodeFile : public FolderTest {
- protected:
-  [[nodiscard]] fs::path path(const char* name = "model.lode") const { return folder_ / name; }
-};
-
-Bytes read_bytes(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_bytes(const fs::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-Hierarchy lattice_model() { return test::lattice_sphere(3, {13}).hierarchy; }
-
-Hierarchy small_model() { return test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.3f).hierarchy; }
-
-template <typename T>
-bool same(std::span<const T> a, std::span<const T> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end());
-}
-
-void expect_equal(const Hierarchy& a, const Hierarchy& b) {
-  EXPECT_EQ(a.transform, b.transform);
-  EXPECT_EQ(a.sigma0, b.sigma0);
-  const auto provenance = [](const Provenance& p) {
-    return std::tie(p.repairs, p.fingerprint, p.input_vertices, p.input_triangles, p.simplifier, p.cell_triangles,
-                    p.measured_errors, p.refined);
-  };
-  EXPECT_TRUE(provenance(a.provenance) == provenance(b.provenance));
-  ASSERT_EQ(a.levels.size(), b.levels.size());
-  for (std::size_t l = 0; l < a.levels.size(); ++l) {
-    EXPECT_EQ(a.levels[l].first_cell, b.levels[l].first_cell);
-    EXPECT_EQ(a.levels[l].cell_count, b.levels[l].cell_count);
-    EXPECT_EQ(a.levels[l].triangles, b.levels[l].triangles);
-    EXPECT_EQ(a.levels[l].vertices, b.levels[l].vertices);
-    EXPECT_EQ(a.levels[l].reach, b.levels[l].reach);
-    EXPECT_EQ(a.levels[l].diameter, b.levels[l].diameter);
-    EXPECT_EQ(a.levels[l].error, b.levels[l].error);
-    EXPECT_EQ(a.levels[l].max_edge, b.levels[l].max_edge);
-    EXPECT_EQ(a.levels[l].long_edges, b.levels[l].long_edges);
-  }
-  ASSERT_EQ(a.cells.size(), b.cells.size());
-  for (std::size_t c = 0; c < a.cells.size(); ++c) {
-    const Cell &p = a.cells[c], &q = b.cells[c];
-    EXPECT_EQ(p.code, q.code);
-    EXPECT_EQ(p.parent, q.parent);
-    EXPECT_EQ(p.first_child, q.first_child);
-    EXPECT_EQ(p.child_count, q.child_count);
-    EXPECT_EQ(p.bounds, q.bounds);
-    EXPECT_EQ(p.max_displacement, q.max_displacement);
-    EXPECT_EQ(p.error, q.error);
-    EXPECT_TRUE(same(p.positions, q.positions) && same(p.normals, q.normals) &&
-                std::ranges::equal(p.parents, q.parents) && same(p.shared_ids, q.shared_ids));
-    // The codec of triangles may begin them with another corner.
-    EXPECT_TRUE(std::equal(p.triangles.begin(), p.triangles.end(), q.triangles.begin(), q.triangles.end(),
-                           [&](const Triangle& s, const Triangle& t) {
-                             return a.transform.lattice ? canonical(s) == canonical(t) : s == t;
-                           }));
-  }
-}
+using namespace test;
 
 TEST_F(LodeFile, GivesBackWhatWasWritten) {
   Hierarchy model = small_model();
@@ -217,147 +151,6 @@ TEST_P(LodeFileOfEitherForm, RefusesEveryFlippedBitAndDoesSoInParallelToo) {
     EXPECT_THROW((void)open_lode(path("altered.lode")), Error) << at;
     EXPECT_THROW((void)load_lode(path("altered.lode"), *scheduler), Error) << at;
   }
-}
-
-TEST_F(LodeFile, SaysSoWhenTheVersionIsNewer) {
-  write_lode(small_model(), path());
-  Bytes bytes = read_bytes(path());
-  const std::uint32_t newer = lode_version + 1;
-  std::memcpy(bytes.data() + offsetof(LodeHeader, version), &newer, sizeof(newer));
-  write_bytes(path(), bytes);
-  EXPECT_THROW((void)open_lode(path()), UnsupportedError);
-}
-
-// Changes the header and makes its checksum fit.
-template <class Change>
-Bytes with_header(Bytes bytes, const Change& change) {
-  LodeHeader header;
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  change(header);
-  header.table_checksum = 0;
-  std::memcpy(bytes.data(), &header, sizeof(header));
-  header.table_checksum = XXH3_64bits(bytes.data(), header.payload_offset);
-  std::memcpy(bytes.data(), &header, sizeof(header));
-  return bytes;
-}
-
-// Files whose up axis is what older ones have are the same bytes as theirs.
-TEST_F(LodeFile, KeepsTheUpAxis) {
-  Hierarchy model = small_model();
-  write_lode(model, path());
-  const Bytes plain = read_bytes(path());
-  LodeHeader header;
-  std::memcpy(&header, plain.data(), sizeof(header));
-  EXPECT_EQ(header.features & lode_up, 0);
-  EXPECT_EQ(open_lode(path()).transform.up, Up{});
-  for (const UpAxis axis : {UpAxis::z, UpAxis::y, UpAxis::minus_x, UpAxis::earth})
-    for (const bool guessed : {false, true}) {
-      model.transform.up = {axis, guessed};
-      write_lode(model, path());
-      expect_equal(open_lode(path()), model);
-      EXPECT_EQ(read_bytes(path()).size(), plain.size());
-    }
-}
-
-// Ours by a number, as in files of older programs; others by their name before the materials, if there are any.
-TEST_F(LodeFile, KeepsTheNameOfASimplifier) {
-  Hierarchy model = small_model();
-  const auto header_of = [&] {
-    const Bytes bytes = read_bytes(path());
-    LodeHeader header;
-    std::memcpy(&header, bytes.data(), sizeof(header));
-    return header;
-  };
-  for (const bool materials : {false, true}) {
-    if (materials) model.materials.push_back({.name = "stone"});
-    for (const std::string name : {"quadric", "meshopt", "shortest-edge"}) {
-      model.provenance.simplifier = name;
-      model.provenance.placement = 1;
-      write_lode(model, path());
-      const Hierarchy back = open_lode(path());
-      EXPECT_EQ(back.provenance.simplifier, name);
-      EXPECT_EQ(back.provenance.placement, 1u);
-      EXPECT_EQ(back.materials, model.materials);
-      EXPECT_EQ((header_of().features & lode_named_simplifier) != 0, name == "shortest-edge");
-    }
-  }
-  EXPECT_EQ(header_of().simplifier, 1u << 16 | 0xffff);
-  model.provenance.simplifier = "two\nlines";
-  write_lode(model, path());
-  expect_error_of<InputError>([&] { (void)open_lode(path()); }, {"name of the simplifier is invalid"});
-}
-
-// Files of older programs have none.
-TEST_F(LodeFile, KeepsSignatures) {
-  const Hierarchy model = lattice_model();
-  write_lode(model, path());
-  const Hierarchy back = open_lode(path());
-  ASSERT_NE(back.signatures, nullptr);
-  EXPECT_EQ(back.signatures->table(), find_signatures(model).table());
-
-  const Bytes bytes = read_bytes(path());
-  test::drop_signatures(path());
-  const Hierarchy old = open_lode(path());
-  EXPECT_EQ(old.signatures, nullptr);
-  write_lode(old, path("new.lode"));
-  EXPECT_EQ(read_bytes(path("new.lode")), bytes);
-}
-
-TEST_F(LodeFile, RefusesSignaturesThatDoNotFit) {
-  const Hierarchy model = lattice_model();
-  const Signatures::Table whole = find_signatures(model).table();
-  const auto fault = [&](const auto& change) {
-    Signatures::Table table = whole;
-    change(table);
-    const char* found = Signatures::fault(model, table);
-    return std::string(found ? found : "");
-  };
-  ASSERT_GT(whole.sizes.size(), 2u);
-  EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_NE(fault([](auto& t) { t.sets.pop_back(); }), "");
-  EXPECT_NE(fault([](auto& t) { ++t.sets.back(); }), "");
-  EXPECT_NE(fault([](auto& t) { ++t.sizes.front(); }), "");
-  EXPECT_NE(fault([](auto& t) { t.cells.front() = CellId(0xffff'ffff); }), "");
-  EXPECT_NE(fault([](auto& t) { t.cells.back() = t.cells[t.cells.size() - 2]; }), "");
-  EXPECT_NE(fault([](auto& t) { t.cells.front() = CellId(0); }), "");
-  EXPECT_NE(fault([](auto& t) { t.errors.pop_back(); }), "");
-  EXPECT_NE(fault([](auto& t) { t.errors.back() = -1; }), "");
-  EXPECT_NE(fault([](auto& t) { t.errors.front() = HUGE_VALF; }), "");
-  EXPECT_NE(fault([](auto& t) { t.places.push_back(0); }), "");
-  EXPECT_NE(fault([](auto& t) { t.places.pop_back(); }), "");
-  EXPECT_NE(fault([](auto& t) { t.places.front() = 255; }), "");
-  // A table that is whole, behind which the bytes end or go on.
-  const Signatures signatures = find_signatures(model);
-  const std::vector<std::byte> bytes = encode_assets(model, &signatures);
-  for (std::size_t size = 0; size <= bytes.size(); ++size) {
-    Hierarchy to = model;
-    EXPECT_EQ(decode_assets(std::span(bytes).first(size), lode_signatures, to) == nullptr, size == bytes.size());
-  }
-}
-
-TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
-  write_lode(lattice_model(), path(), LodeForm::compressed);
-  const Bytes whole = read_bytes(path());
-  const auto open_with = [&](const auto& change) {
-    write_bytes(path("changed.lode"), with_header(whole, change));
-    (void)open_lode(path("changed.lode"));
-  };
-  EXPECT_NO_THROW(open_with([](LodeHeader&) {}));
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= 0x8000; }), UnsupportedError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_uv; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.asset_bytes = 16; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.asset_checksum ^= 1; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features = 0; }), InputError);  // plain payloads are larger
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 0; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 25; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 12; }), InputError);  // vertices beyond the cube
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 4; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 2u << 16; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_named_simplifier, h.simplifier = 0xffff; }),
-               InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.up = 1; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 7; }), InputError);
-  EXPECT_NO_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 6; }));
 }
 
 // Counts that would take more memory than any payload of that size can fill are refused before it is asked for.

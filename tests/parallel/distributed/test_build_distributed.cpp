@@ -89,6 +89,9 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
   config_.build.order_cells = true;
   expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"compressed"});
   config_.build.order_cells = false;
+  config_.build.half_levels = true;
+  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"half levels"});
+  config_.build.half_levels = false;
   const fs::path coloured = test_folder_.write(
       "c.ply",
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

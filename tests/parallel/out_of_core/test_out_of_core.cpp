@@ -118,10 +118,12 @@ TEST_F(OutOfCore, SameBytesForMoreTrianglesThanAPieceHas) {
 
 TEST_F(OutOfCore, SameBytesForAnyNumberOfLevels) {
   const fs::path path = sphere();
-  for (const int level : {0, 1, 2, 5}) {
-    config_.build.finest_level = level;
-    EXPECT_TRUE(in_memory(path) == built(path)) << level;
-  }
+  for (const bool halves : {false, true})
+    for (const int level : {-1, 0, 1, 2, 5}) {
+      config_.build.half_levels = halves;
+      config_.build.finest_level = level;
+      EXPECT_TRUE(in_memory(path) == built(path)) << level;
+    }
 }
 
 TEST_F(OutOfCore, SameBytesCompressedAndOrdered) {

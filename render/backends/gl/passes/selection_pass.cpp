@@ -153,8 +153,8 @@ ViewUniforms view_uniforms(const ModelFrame& model, std::size_t nodes) {
   for (std::size_t k = 0; k < 6; ++k) u.frustum[k] = {frustum[k].n.x, frustum[k].n.y, frustum[k].n.z, frustum[k].d};
   for (std::size_t l = 0; l < radii.select.size(); ++l) {
     const int level = static_cast<int>(l);
-    u.levels[l] = {radii.select[l], radii.band_begin[l], displacement_bound(hierarchy.sigma0, level),
-                   radii.delta * cell_size(level)};
+    u.levels[l] = {radii.select[l], radii.band_begin[l], hierarchy.displacement_bound(level),
+                   radii.delta * hierarchy.cell_size(level)};
   }
   u.viewpoint = {model.morph.viewpoint.x, model.morph.viewpoint.y, model.morph.viewpoint.z};
   u.finest = static_cast<std::uint32_t>(hierarchy.finest());
