@@ -231,7 +231,7 @@ TEST_F(GlTest, StaticCellsStandWhereMorphingOnesWould) {
 }
 
 // Cut into groups, each family with a copy of its parent: the same triangles in the same order (of those at one depth
-// the first is seen), the same picture.
+// the first is seen), the same picture, also where cells are drawn in parts.
 TEST_F(GlTest, GroupsChangeNothing) {
   const Hierarchy& hierarchy = closed_surface().hierarchy;
   std::uint64_t largest = 0;
@@ -244,9 +244,19 @@ TEST_F(GlTest, GroupsChangeNothing) {
   EXPECT_GT(cut->group_count(), 3u);
   for (const Camera& camera : cameras()) {
     WholeFrame whole(hierarchy, with_kappa0(2.5f), camera);
-    EXPECT_EQ(cut->draw(whole.frame).triangles, renderer_->draw(whole.frame).triangles);
-    EXPECT_EQ(cut->read_back().rgba, renderer_->read_back().rgba);
-    EXPECT_EQ(cut->capture(whole.frame), renderer_->capture(whole.frame));
+    const auto expect_equal = [&] {
+      EXPECT_EQ(cut->draw(whole.frame).triangles, renderer_->draw(whole.frame).triangles);
+      EXPECT_EQ(cut->read_back().rgba, renderer_->read_back().rgba);
+      EXPECT_EQ(cut->capture(whole.frame), renderer_->capture(whole.frame));
+    };
+    expect_equal();
+    std::vector<std::array<TriangleRange, 2>> parts;
+    for (const SelectedCell& selected : whole.selection.cells) {
+      const auto triangles = static_cast<std::uint32_t>(hierarchy.cells[selected.cell].triangles.size());
+      parts.push_back({{{0, triangles / 3}, {triangles / 2, triangles}}});
+    }
+    for (std::size_t k = 0; k < parts.size(); ++k) whole.selection.cells[k].ranges = parts[k];
+    expect_equal();
   }
 }
 

@@ -43,9 +43,10 @@ void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry&
     }
   for (std::size_t k = 0; k < bucket_count_; ++k) {
     Bucket& b = buckets_[k];
-    const auto first = static_cast<std::uint32_t>(commands_.size());
+    const auto first = static_cast<std::uint32_t>(commands_.size()),
+               first_record = static_cast<std::uint32_t>(records_.size());  // several commands share one
     multi_draws_.push_back({b.pipeline, b.group, first, static_cast<std::uint32_t>(b.commands.size())});
-    for (GlDrawCommand& command : b.commands) command.base_instance += first;
+    for (GlDrawCommand& command : b.commands) command.base_instance += first_record;
     commands_.insert(commands_.end(), b.commands.begin(), b.commands.end());
     records_.insert(records_.end(), b.records.begin(), b.records.end());
   }
