@@ -91,6 +91,7 @@ Json to_json(const BuildResult& result, const Row& row, const BuildOptions& opti
                {"lattice_bits", lattice.bits},
                {"lattice_error", lattice.error() * hierarchy.transform.scale},
                {"sigma0", hierarchy.sigma0},
+               {"half_levels", hierarchy.grids.halves},
                {"refined",
                 {{"split_triangles", refined.split},
                  {"triangles_before", refined.triangles_before},

@@ -121,6 +121,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
                     {"input_vertices", h.provenance.input_vertices},
                     {"repairs", to_json(h.provenance.repairs)},
                     {"sigma0", h.sigma0},
+                    {"half_levels", h.grids.halves},
                     {"simplifier", h.provenance.simplifier},
                     {"placement", name_of(static_cast<Placement>(h.provenance.placement))},
                     {"cell_triangles", h.provenance.cell_triangles},
@@ -144,8 +145,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
                     {"level_table", level_table(h)}};
   write_result(common, result);
   if (!common.prints()) return;
-  fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
-             h.provenance.input_vertices, h.sigma0, h.provenance.simplifier);
+  fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}{}\n", file, h.provenance.input_triangles,
+             h.provenance.input_vertices, h.sigma0, h.provenance.simplifier, h.grids.halves ? ", half levels" : "");
   fmt::print("{} triangles and {} vertices stored in {} bytes, {:.2f} per triangle{}\n", stored.triangles,
              stored.vertices, stored.bytes, stored.bytes_per_triangle(),
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");

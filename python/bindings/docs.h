@@ -78,7 +78,7 @@ inline constexpr const char* hierarchy =
     R"(Levels of detail of a mesh on a cubic grid, from build or load. Nothing in it changes.
 
 Level 0 is the root, level `finest` the input; cell_count; levels: a list of dicts, the figures of `lodestone build`
-by level; sigma0; lattice_bits: 0 without a lattice; warnings: what was left out. origin: float64 (3,); scale. Cells
+by level; sigma0; half_levels; lattice_bits: 0 without a lattice; warnings: what was left out. origin: float64 (3,); scale. Cells
 and viewpoints are in normalised space, the unit cube: a point p there is origin + scale * p in the space of the
 model.)";
 

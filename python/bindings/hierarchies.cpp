@@ -186,6 +186,7 @@ void bind_hierarchies(py::module_& module) {
       .def_property_readonly("cell_count", [](const Model& model) { return model.hierarchy.cells.size(); })
       .def_property_readonly("levels", [](const Model& model) { return to_python(level_table(model.hierarchy)); })
       .def_property_readonly("sigma0", [](const Model& model) { return model.hierarchy.sigma0; })
+      .def_property_readonly("half_levels", [](const Model& model) { return model.hierarchy.grids.halves; })
       .def_property_readonly("origin", [](const Model& model) { return vec3_array(model.hierarchy.transform.origin); })
       .def_property_readonly("scale", [](const Model& model) { return model.hierarchy.transform.scale; })
       .def_property_readonly("lattice_bits", [](const Model& model) { return model.hierarchy.transform.lattice.bits; })

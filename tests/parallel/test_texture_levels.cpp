@@ -27,7 +27,7 @@ std::vector<char> image(std::uint32_t side, std::uint32_t channels, const std::s
 }
 
 // Terrain with texture coordinates, two materials and five textures, two of which cannot be halved.
-Hierarchy textured(Scheduler& scheduler) {
+Hierarchy textured(Scheduler& scheduler, bool half_levels = false) {
   RawMesh raw = generate_mesh({Shape::terrain, 4000, 3});
   for (const Vec3d p : raw.positions) raw.wedges.uv.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
   for (std::size_t t = 0; t < raw.triangles.size(); ++t) raw.wedges.material.push_back(t % 2);
@@ -39,7 +39,8 @@ Hierarchy textured(Scheduler& scheduler) {
   raw.materials = {{.name = "a", .texture = 0, .normal_map = 2}, {.name = "b", .texture = 4, .normal_map = 1}};
   Repairs repairs;
   BuildConfig config;
-  config.finest_level = 2;
+  config.half_levels = half_levels;
+  config.finest_level = half_levels ? 4 : 2;
   return build_hierarchy(prepare_mesh(std::move(raw), repairs, scheduler), config, scheduler);
 }
 
@@ -75,6 +76,19 @@ TEST(TextureLevels, AreTheSameForAnyNumberOfThreadsAndSurviveTheFile) {
   EXPECT_EQ(level_mesh(read, 0).textures[4].bytes, h.texture_copies[5].bytes);
   EXPECT_EQ(level_mesh(read, 2).textures, h.textures);
   EXPECT_TRUE(verify_hierarchy(read).valid());
+}
+
+// Texels follow the triangles: two half levels halve the sides of a texture once.
+TEST(TextureLevels, HalfLevelsShareCopies) {
+  const auto scheduler = make_serial_scheduler();
+  Hierarchy h = textured(*scheduler, true), quarters = textured(*scheduler);
+  (void)add_texture_copies(h, *scheduler), (void)add_texture_copies(quarters, *scheduler);
+  EXPECT_EQ(h.texture_copies, quarters.texture_copies);
+  EXPECT_EQ(texture_copy(h, 0, 3), nullptr);
+  EXPECT_EQ(texture_copy(h, 0, 2)->halvings, 1u);
+  EXPECT_EQ(texture_copy(h, 0, 1)->halvings, 1u);
+  EXPECT_EQ(texture_copy(h, 0, 0)->halvings, 2u);
+  EXPECT_TRUE(verify_hierarchy(h).valid());
 }
 
 TEST(TextureLevels, VerifySeesEachFault) {

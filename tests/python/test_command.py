@@ -9,8 +9,8 @@ from conftest import SCAN, run
 
 BUILDS = [
     ({}, []),
-    ({"sigma0": 0.3, "cell_triangles": 700, "simplifier": "cluster"},
-     ["--sigma0", 0.3, "--cell-triangles", 700, "--simplifier", "cluster"]),
+    ({"sigma0": 0.3, "cell_triangles": 700, "simplifier": "cluster", "half_levels": True},
+     ["--sigma0", 0.3, "--cell-triangles", 700, "--simplifier", "cluster", "--half-levels"]),
     ({"finest_level": 3, "placement": "endpoint", "threads": 1}, ["--levels", 3, "--placement", "endpoint"]),
     ({"finest_level": 3, "refine": True, "refine_limit": 3.0, "measure_errors": True},
      ["--levels", 3, "--refine", "--refine-limit", 3, "--measure-error"]),
