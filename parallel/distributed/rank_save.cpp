@@ -97,7 +97,7 @@ class Tables {
   void set_checksum(CellId cell, std::uint64_t checksum) { checksums_[cell] = checksum; }
 
   // Writes all but the payloads; returns the size of the file.
-  std::uint64_t finish(const Signatures& signatures, AtomicFile& file) const {
+  std::uint64_t finish(const Signatures::Table& signatures, AtomicFile& file) const {
     const std::vector<std::byte> assets = encode_assets(head_, &signatures);
     file.write_at(layout_.payload_end(), assets);
     file.write_at(0, encode_lode_tables(head_, counts_, layout_, checksums_, assets));
@@ -278,7 +278,7 @@ class RankSaver {
   std::unique_ptr<AtomicFile> file_;
   // At rank 0.
   std::optional<Tables> tables_;
-  std::optional<Signatures> signatures_;
+  std::optional<Signatures::Table> signatures_;
 };
 
 }  // namespace

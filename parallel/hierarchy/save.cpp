@@ -25,9 +25,8 @@ class LodeSaver {
         progress_(progress),
         counts_(source.counts()),
         plain_(plan_lode(source.tables(), counts_)),
-        checksums_(counts_.size()),
-        signatures_(source.tables().signatures) {
-    if (!signatures_) finder_.emplace(source.tables(), Signatures::most, runner_over(scheduler));
+        checksums_(counts_.size()) {
+    if (!source.tables().signatures) finder_.emplace(source.tables(), Signatures::most, runner_over(scheduler));
   }
 
   std::uint64_t save_plain() {
@@ -118,8 +117,9 @@ class LodeSaver {
 
   // Writes the assets after the payloads and the tables before them; returns the size of the file.
   std::uint64_t finish(const LodeLayout& layout) {
-    if (finder_) signatures_ = std::make_shared<const Signatures>(std::move(*finder_).finish());
-    const std::vector<std::byte> assets = encode_assets(source_.tables(), signatures_.get());
+    const Signatures::Table found = finder_ ? std::move(*finder_).finish() : Signatures::Table{};
+    const std::vector<std::byte> assets =
+        encode_assets(source_.tables(), finder_ ? &found : &source_.tables().signatures->table());
     file_.write_at(layout.payload_end(), assets);
     file_.write_at(0, encode_lode_tables(source_.tables(), counts_, layout, checksums_, assets));
     file_.commit();
@@ -133,7 +133,6 @@ class LodeSaver {
   std::vector<PayloadCounts> counts_;
   LodeLayout plain_;
   std::vector<std::uint64_t> checksums_;
-  std::shared_ptr<const Signatures> signatures_;
   std::optional<SignatureFinder> finder_;  // where the source has none
 };
 

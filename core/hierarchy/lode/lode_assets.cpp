@@ -206,10 +206,10 @@ bool has_surfaces(const Hierarchy& hierarchy) {
                              [](const Texture& t) { return t.mag_filter != 0 || t.min_filter != 0; });
 }
 
-std::vector<std::byte> encode_assets(const Hierarchy& hierarchy, const Signatures* signatures) {
+std::vector<std::byte> encode_assets(const Hierarchy& hierarchy, const Signatures::Table* signatures) {
   Writer writer;
   if (has_named_simplifier(hierarchy)) writer(hierarchy.provenance.simplifier);
-  if (signatures) put_signatures(writer, signatures->table());
+  if (signatures) put_signatures(writer, *signatures);
   if (hierarchy.materials.empty() && hierarchy.textures.empty()) return std::move(writer.bytes);
   put_all(writer, hierarchy.materials, each_material);
   put_all(writer, hierarchy.textures, each_texture);

@@ -19,7 +19,7 @@ std::uint64_t write_plain(const Hierarchy& hierarchy, AtomicFile& file) {
   std::vector<std::uint64_t> checksums(hierarchy.cells.size());
   std::vector<std::byte> buffer;
   for (const LodeChunk chunk : chunks) encode_lode_chunk(hierarchy, layout, chunk, buffer, checksums);
-  const std::vector<std::byte> assets = encode_assets(hierarchy, signatures_of(hierarchy).get());
+  const std::vector<std::byte> assets = encode_assets(hierarchy, &signatures_of(hierarchy)->table());
   file.write(encode_lode_tables(hierarchy, layout, checksums, assets));
   for (const LodeChunk chunk : chunks) {
     encode_lode_chunk(hierarchy, layout, chunk, buffer, checksums);
@@ -34,7 +34,7 @@ std::uint64_t write_compressed(const Hierarchy& hierarchy, AtomicFile& file) {
   std::vector<std::byte> payloads;
   compress_lode_chunk(hierarchy, {CellId(0), CellId(sizes.size())}, payloads, sizes, checksums);
   const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
-  const std::vector<std::byte> assets = encode_assets(hierarchy, signatures_of(hierarchy).get());
+  const std::vector<std::byte> assets = encode_assets(hierarchy, &signatures_of(hierarchy)->table());
   file.write(encode_lode_tables(hierarchy, layout, checksums, assets));
   file.write(payloads);
   file.write(assets);

@@ -174,7 +174,8 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 //   lode_surfaces, which those have whose materials or textures differ from the defaults of Material and Texture
 //
 // Without signatures: those of files of older programs.
-[[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy, const Signatures* signatures = nullptr);
+[[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy,
+                                                   const Signatures::Table* signatures = nullptr);
 // True if the assets of the hierarchy begin with the name of a simplifier.
 [[nodiscard]] bool has_named_simplifier(const Hierarchy& hierarchy);
 // True if the assets of the hierarchy have an object of surfaces.

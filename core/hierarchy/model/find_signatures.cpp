@@ -345,7 +345,7 @@ Signatures find_signatures(const Hierarchy& hierarchy, std::size_t most) {
     for (CellId c = level.first_cell; c < level.end_cell(); ++c) finder.add(c, hierarchy.cells[c]);
     finder.end_level();
   }
-  return std::move(finder).finish();
+  return {hierarchy, std::move(finder).finish()};
 }
 
 std::shared_ptr<const Signatures> signatures_of(const Hierarchy& hierarchy) {

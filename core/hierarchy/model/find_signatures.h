@@ -41,7 +41,7 @@ class SignatureFinder {
   void end_level();
 
   // After all levels.
-  [[nodiscard]] Signatures finish() && { return {tables_, std::move(table_)}; }
+  [[nodiscard]] Signatures::Table finish() && { return std::move(table_); }
 
  private:
   [[nodiscard]] const Level& level() const { return tables_.levels[table_.sets.size()]; }

@@ -76,7 +76,7 @@ TEST_F(LodeFile, HasTheSameBytesFromEveryWriterAndAnyNumberOfThreads) {
   write_lode(model, path());
   const Bytes expected = read_bytes(path());
   const Signatures signatures = find_signatures(model);
-  EXPECT_EQ(expected.size(), plan_lode(model).payload_end() + encode_assets(model, &signatures).size());
+  EXPECT_EQ(expected.size(), plan_lode(model).payload_end() + encode_assets(model, &signatures.table()).size());
   for (const int threads : {1, 2, 3, 7}) {
     const auto scheduler = make_tbb_scheduler(threads);
     save_lode(model, path("parallel.lode"), *scheduler);

@@ -128,7 +128,7 @@ TEST_F(LodeHeaders, RefusesSignaturesThatDoNotFit) {
   EXPECT_NE(fault([](auto& t) { t.places.front() = 255; }), "");
   // A table that is whole, behind which the bytes end or go on.
   const Signatures signatures = find_signatures(model);
-  const std::vector<std::byte> bytes = encode_assets(model, &signatures);
+  const std::vector<std::byte> bytes = encode_assets(model, &signatures.table());
   for (std::size_t size = 0; size <= bytes.size(); ++size) {
     Hierarchy to = model;
     EXPECT_EQ(decode_assets(std::span(bytes).first(size), lode_signatures, to) == nullptr, size == bytes.size());

@@ -1,7 +1,7 @@
 // Long use of one process: views under a random camera with streaming and changing parameters, and builds one after the
 // other. usage: soak soft|gl SECONDS | soak builds NUMBER
 //
-// Flights of half of the time are flown again in the other half: then memory must not grow (on gl, whose driver keeps
+// Flights of half of the time are flown again for the other half: then memory must not grow (on gl, whose driver keeps
 // variants of shaders: objects of OpenGL). A view that is visited again must have the picture that it had; OpenGL must
 // report no error. Prints a line now and then, and memory from the beginning of that half to its end. Status: 0, 1 for
 // what went wrong, 77 where OpenGL cannot be had.
@@ -245,10 +245,10 @@ class Soak {
     Growth growth(std::uint64_t{2} << 20, std::uint64_t{64} << 20);
     growth.begin();
     const long objects = objects::alive;
-    for (std::size_t f = 0; f < flights.size(); ++f) {
-      if (f == flights.size() / 2) growth.middle();
-      fly(flights[f]);
-    }
+    do {
+      for (const Flight& flight : flights) fly(flight);
+      growth.middle();
+    } while (clock.seconds() < seconds);
     growth.end(!backend_.messages);
     if (backend_.messages) std::printf("objects of OpenGL: %ld, %ld (beginning, end)\n", objects, objects::alive);
     if (objects::alive > objects + 8) fail("objects of OpenGL have become more");
