@@ -234,7 +234,7 @@ NaiveHierarchy naive_hierarchy(IndexedMesh mesh, int finest, float sigma0, Repre
   std::vector<NaiveLevel> levels(static_cast<std::size_t>(finest) + 1);
   levels.back() = finest_level(mesh, finest);
   for (std::size_t l = levels.size() - 1; l > 0; --l)
-    levels[l - 1] = coarser_level(levels[l], sigma0 * cell_size(static_cast<int>(l)) * 0.5f, representative);
+    levels[l - 1] = coarser_level(levels[l], displacement_bound(sigma0, static_cast<int>(l)), representative);
 
   NaiveHierarchy made;
   made.payloads = std::make_shared<std::vector<NaivePayload>>();

@@ -16,7 +16,7 @@ std::vector<std::string> add_texture_copies(Hierarchy& hierarchy, Scheduler& sch
     if (cancel && *cancel) throw Cancelled{};
     const auto texture = static_cast<std::uint32_t>(range.begin);
     try {
-      copies[texture] = make_texture_copies(hierarchy, texture, hierarchy.grids.doublings(hierarchy.finest(), 0));
+      copies[texture] = make_texture_copies(hierarchy, texture, hierarchy.doublings(0));
     } catch (const Error& error) {
       refusals[texture] = "texture '" + hierarchy.textures[texture].name + "' " + error.what() +
                           "; all levels show it in full resolution";

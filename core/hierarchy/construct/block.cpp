@@ -52,7 +52,7 @@ class BlockBuilder {
   }
 
   const SimplifyResult& simplify(Simplifier& simplifier) {
-    const float bound = sigma0_ * cell_size(grids_.of(block_.level)) * 0.5f;
+    const float bound = displacement_bound(sigma0_, grids_.of(block_.level));
     const auto [kept_share, min_share] = grids_.halves ? halves : quarters;
     const std::size_t target = s_.triangles.size() / kept_share;
     if (!attributes_.wedges)

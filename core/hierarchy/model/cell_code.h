@@ -65,8 +65,6 @@ struct LevelGrids {
     const int level = halves ? 2 * grid : grid;
     return level < max_level ? level : max_level;
   }
-  // The number of times that the distance between vertices has doubled from the finest level to this one.
-  [[nodiscard]] constexpr int doublings(int finest, int level) const { return (finest - level) / (halves ? 2 : 1); }
   // True if the cells of the level and their parents are the same.
   [[nodiscard]] constexpr bool keeps_cells(int level) const { return halves && level > 0 && level % 2 == 0; }
   [[nodiscard]] constexpr CellCode parent(CellCode cell, int level) const {

@@ -22,6 +22,9 @@ namespace lodestone {
 
 inline constexpr CellId no_cell{0xffff'ffffu};
 
+// The bound of d(v, P(v)) for vertices of a level in this grid: sigma0 h / 2.
+[[nodiscard]] constexpr float displacement_bound(float sigma0, int grid) { return sigma0 * cell_size(grid) * 0.5f; }
+
 // The distance d of selection and morph (core/hierarchy/model/distance_metric.h).
 enum class DistanceMetric : std::uint8_t { euclidean = 0, chebyshev = 1 };
 inline constexpr int distance_metric_count = 2;
@@ -148,8 +151,11 @@ struct Hierarchy {
   [[nodiscard]] int level_of(CellId cell) const;
   // h_l.
   [[nodiscard]] float cell_size(int level) const { return lodestone::cell_size(grids.of(level)); }
-  // The bound of d(v, P(v)) for vertices of level l: sigma0 h_l / 2.
-  [[nodiscard]] float displacement_bound(int level) const { return sigma0 * cell_size(level) * 0.5f; }
+  [[nodiscard]] float displacement_bound(int level) const {
+    return lodestone::displacement_bound(sigma0, grids.of(level));
+  }
+  // The number of times that the distance between vertices has doubled from the finest level to this one.
+  [[nodiscard]] int doublings(int level) const { return (finest() - level) / (grids.halves ? 2 : 1); }
 };
 
 }  // namespace lodestone

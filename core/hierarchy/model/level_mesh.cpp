@@ -101,7 +101,7 @@ std::vector<TextureCopy> make_texture_copies(const Hierarchy& hierarchy, std::ui
 }
 
 const TextureCopy* texture_copy(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
-  const auto halvings = static_cast<std::uint32_t>(hierarchy.grids.doublings(hierarchy.finest(), level));
+  const auto halvings = static_cast<std::uint32_t>(hierarchy.doublings(level));
   const TextureCopy* best = nullptr;
   for (const TextureCopy& copy : hierarchy.texture_copies)
     if (copy.texture == texture && copy.halvings <= halvings) best = &copy;

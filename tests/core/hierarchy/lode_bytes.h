@@ -62,6 +62,7 @@ bool same(std::span<const T> a, std::span<const T> b) {
 inline void expect_equal(const Hierarchy& a, const Hierarchy& b) {
   EXPECT_EQ(a.transform, b.transform);
   EXPECT_EQ(a.sigma0, b.sigma0);
+  EXPECT_EQ(a.grids, b.grids);
   const auto provenance = [](const Provenance& p) {
     return std::tie(p.repairs, p.fingerprint, p.input_vertices, p.input_triangles, p.simplifier, p.cell_triangles,
                     p.measured_errors, p.refined);

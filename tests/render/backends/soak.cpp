@@ -65,7 +65,6 @@ class Growth {
   Growth(std::uint64_t allocated_limit, std::uint64_t resident_limit)
       : allocated_limit_(allocated_limit), resident_limit_(resident_limit) {}
 
-  void begin() { first_ = Memory::now(); }
   void middle() { middle_ = Memory::now(); }
   void end(bool check = true) const {
     const Memory last = Memory::now();
@@ -79,7 +78,7 @@ class Growth {
 
  private:
   std::uint64_t allocated_limit_, resident_limit_;
-  Memory first_, middle_;
+  Memory first_ = Memory::now(), middle_;
 };
 
 class Folder {
@@ -243,7 +242,6 @@ class Soak {
       fly(flights.back());
     }
     Growth growth(std::uint64_t{2} << 20, std::uint64_t{64} << 20);
-    growth.begin();
     const long objects = objects::alive;
     do {
       for (const Flight& flight : flights) fly(flight);
@@ -364,7 +362,6 @@ void build_many(int builds, const fs::path& folder, Scheduler& scheduler) {
   constexpr int cycle = 60;  // after which the parameters are those of the beginning
   for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
   Growth growth(std::uint64_t{1} << 18, std::uint64_t{16} << 20);
-  growth.begin();
   growth.middle();
   const int cycles = std::max(1, builds / cycle);
   for (int c = 0; c < cycles; ++c) {
