@@ -110,6 +110,8 @@ void register_all() {
     };
     add("quadric", run_own, [] { return make_quadric_simplifier(); });
     add("quadric_endpoint", run_own, [] { return make_simplifier("quadric", Placement::endpoint); });
+    if (is_available(InstructionSet::avx2))
+      add("quadric_avx2", run_own, [] { return make_quadric_simplifier(InstructionSet::avx2); });
     add("quadric_plain", run_own, [] { return make_quadric_simplifier(InstructionSet::plain); });
     for (const std::string kind : {"cluster", "meshopt", "openmesh"})
       add(kind, run_own, [kind] { return make_simplifier(kind); });

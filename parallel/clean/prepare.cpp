@@ -26,8 +26,8 @@ class RepeatFilter {
   RepeatFilter(const std::vector<Triangle>& triangles, std::size_t vertices, Scheduler& scheduler)
       : triangles_(triangles) {
     resize_in_parallel(words_, vertices, scheduler);
-    scheduler.for_chunks(triangles.size(), grain,
-                         [&](ChunkRange range) { for_each_ahead(range, [&](const Triangle& t) { add(t); }); });
+    const auto add_all = scheduler.workers() == 1 ? &RepeatFilter::add_all<true> : &RepeatFilter::add_all<false>;
+    scheduler.for_chunks(triangles.size(), grain, [&](ChunkRange range) { (this->*add_all)(range); });
   }
 
   // The triangles, none of them degenerate, that may equal another one; ascending.
@@ -57,17 +57,30 @@ class RepeatFilter {
     }
   }
 
+  // Not a sum of the two products: on a regular grid that differs by the same from one triangle at a vertex to the
+  // next.
   static std::uint64_t kind_of(const Triangle& canonical) {
-    return std::uint64_t{1} << ((canonical.v[1] * 0x9e37'79b9u + canonical.v[2] * 0x85eb'ca6bu) >> 27);
+    const std::uint32_t mixed = (canonical.v[1] * 0x9e37'79b9u ^ canonical.v[2] * 0x85eb'ca6bu) * 0xc2b2'ae35u;
+    return std::uint64_t{1} << (mixed >> 27);
   }
 
-  void add(const Triangle& triangle) {
-    if (is_degenerate(triangle)) return;
-    const Triangle t = canonical(triangle);
-    const std::uint64_t seen = kind_of(t);
-    const std::atomic_ref word(words_[t.v[0]]);
-    if ((word.fetch_or(seen, std::memory_order_relaxed) & seen) != 0)
-      word.fetch_or(seen << 32, std::memory_order_relaxed);
+  template <bool alone>
+  void add_all(ChunkRange range) {
+    for_each_ahead(range, [&](const Triangle& triangle) {
+      if (is_degenerate(triangle)) return;
+      const Triangle t = canonical(triangle);
+      add<alone>(words_[t.v[0]], kind_of(t));
+    });
+  }
+  template <bool alone>
+  static void add(std::uint64_t& word, std::uint64_t kind) {
+    if constexpr (alone) {
+      word |= kind | (word & kind) << 32;
+    } else {
+      const std::atomic_ref shared(word);
+      if ((shared.fetch_or(kind, std::memory_order_relaxed) & kind) != 0)
+        shared.fetch_or(kind << 32, std::memory_order_relaxed);
+    }
   }
   [[nodiscard]] bool is_repeated(const Triangle& triangle) const {
     const Triangle t = canonical(triangle);

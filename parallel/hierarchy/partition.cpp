@@ -14,6 +14,7 @@
 
 #include "core/base/prefetch.h"
 #include "parallel/hierarchy/cell_runs.h"
+#include "parallel/hierarchy/vertex_stamps.h"
 #include "parallel/mesh/vertex_sharing.h"
 
 namespace lodestone {
@@ -33,21 +34,34 @@ class MemorySource final : public TriangleSource {
   std::span<const Triangle> sorted_;
 };
 
-// Moves the runs of the cells together, with local ids, and claims the vertices.
-void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& out, Scheduler& scheduler) {
+// Moves the runs of a cell together, with local ids, and claims its vertices.
+void fill_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source, Partition& out,
+               VertexNumbers& numbers) {
+  CellBuild& cell = out.cells[rank];
+  collect_cell(runs, rank, source, cell.triangles, numbers, cell);
   const bool wedges = out.vertices.attributes.wedges;
-  std::vector<VertexNumbers> scratch(static_cast<std::size_t>(scheduler.workers()));
+  for (std::size_t i = 0; i < cell.ids.size(); ++i) {
+    prefetch(&out.vertices.sharing[cell.ids[std::min(i + prefetch_distance, cell.ids.size() - 1)]]);
+    const std::uint32_t vertex = wedges ? out.vertices.wedges.vertex[cell.ids[i]] : cell.ids[i];
+    claim_vertex(out.vertices.sharing[vertex], rank);
+  }
+}
+
+// The same for all cells, by stamps where they can be had.
+void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& out, Scheduler& scheduler) {
+  const std::size_t stamped = out.vertices.attributes.wedges ? 0 : VertexStamps::most_triangles;
+  VertexStamps stamps(stamped > 0 ? std::span(out.vertices.sharing) : std::span<std::uint32_t>(),
+                      scheduler.workers() == 1);
+  std::vector<VertexStamps::Scratch> scratch(static_cast<std::size_t>(scheduler.workers()));
   scheduler.for_chunks(out.cells.size(), cell_grain, [&](ChunkRange range) {
-    VertexNumbers& numbers = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    VertexStamps::Scratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     for (CellRank c(range.begin); c < range.end; ++c) {
       CellBuild& cell = out.cells[c];
-      collect_cell(runs, c, source, std::span(out.triangles).subspan(runs.first_triangle[c], runs.triangles_of(c)),
-                   numbers, cell);
-      for (std::size_t i = 0; i < cell.ids.size(); ++i) {
-        prefetch(&out.vertices.sharing[cell.ids[std::min(i + prefetch_distance, cell.ids.size() - 1)]]);
-        const std::uint32_t vertex = wedges ? out.vertices.wedges.vertex[cell.ids[i]] : cell.ids[i];
-        claim_vertex(out.vertices.sharing[vertex], c);
-      }
+      cell.triangles = std::span(out.triangles).subspan(runs.first_triangle[c], runs.triangles_of(c));
+      if (cell.triangles.size() <= stamped)
+        stamps.collect_cell(runs, c, source, s, cell);
+      else
+        fill_cell(runs, c, source, out, s.numbers);
     }
   });
 }

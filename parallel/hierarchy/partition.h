@@ -24,7 +24,7 @@ struct Partition {
 [[nodiscard]] AttributeSet attributes_of(const IndexedMesh& mesh);
 
 // Consumes the mesh; level in [0, max_level]. The result is the same for any number of workers. Memory at the peak, for
-// V vertices and T triangles, the mesh included: 20 V + 24 T bytes, 34 per triangle when V = T / 2, and 40 bytes for
+// V vertices and T triangles, the mesh included: 22 V + 24 T bytes, 35 per triangle when V = T / 2, and 40 bytes for
 // each cell that each 65536 consecutive triangles lie in: little, unless the triangles come in random order.
 [[nodiscard]] Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler);
 

@@ -14,12 +14,12 @@ namespace lodestone {
 inline constexpr std::uint32_t unowned = 0x7fff'ffffu;  // the word of a vertex before any claim
 
 // Remembers the first cell that claims a vertex, flags the vertex when another one does; cells are any distinct numbers
-// below `unowned`. The flag does not depend on which came first; the owner is forgotten afterwards.
+// below `unowned`. The flag does not depend on which came first.
 inline void claim_vertex(std::uint32_t& owner, std::uint32_t cell) {
   const std::atomic_ref word(owner);
   std::uint32_t old = word.load(std::memory_order_relaxed);
   while (old != cell && !(old & FinestVertices::shared_flag)) {
-    const std::uint32_t claimed = old == unowned ? cell : FinestVertices::shared_flag;
+    const std::uint32_t claimed = old == unowned ? cell : old | FinestVertices::shared_flag;
     if (word.compare_exchange_weak(old, claimed, std::memory_order_relaxed)) return;
   }
 }

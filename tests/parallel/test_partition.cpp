@@ -39,11 +39,19 @@ IndexedMesh shuffled(IndexedMesh mesh) {
 
 IndexedMesh one_triangle() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}, {{{0, 1, 2}}}, {}}; }
 
+// Most of it lies in one cell of the second level, which has more triangles than stamps can number.
+IndexedMesh moved_into_an_octant() {
+  IndexedMesh mesh = test::sphere_mesh(7);
+  for (Vec3f& p : mesh.positions) p = {0.55f * p.x, 0.55f * p.y, 0.55f * p.z};
+  return mesh;
+}
+
 const Case cases[] = {
     {"OneTriangle", one_triangle, 3},
     {"RootAlone", [] { return test::sphere_mesh(4); }, 0},
     {"Sphere", [] { return test::sphere_mesh(7); }, 4},  // more than one chunk
     {"Shuffled", [] { return shuffled(test::sphere_mesh(7)); }, 4},
+    {"LargeCellBesideSmall", moved_into_an_octant, 1},
     {"ManyCells", [] { return test::sphere_mesh(7); }, max_level},  // a cell or more for every triangle
     {"Torus", [] { return test::torus_mesh(40, 20); }, 2},
 };

@@ -97,9 +97,9 @@ struct BlockMemory {
 };
 
 // Simplifies a block of at most id_limit vertices; `result` has its final sizes. Every build gives the same bytes. The
-// build for AVX2 is null where the compiler does not know it.
+// builds for AVX2 and AVX-512 are null where the compiler does not know them.
 using BlockKernel = void (*)(const SimplifyInput& input, Placement placement, const BlockMemory& memory,
                              SimplifyResult& result);
-extern const BlockKernel plain_kernel, avx2_kernel;
+extern const BlockKernel plain_kernel, avx2_kernel, avx512_kernel;
 
 }  // namespace lodestone::quadric

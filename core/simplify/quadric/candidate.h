@@ -59,8 +59,6 @@ template <int G>
   }
   c.v = v;
   c.ring = Id16::load(ring.lane);
-  c.ring.store(c.around + turn_front);
-  c.ring.store(c.around + turn_front + n);
   c.allowed = ring.has(open) ? 1u | 1u << (n - 1) : (1u << n) - 1;
   if (ring.has(seamed)) c.allowed &= b.seams->lanes(v, ring, n);
 }

@@ -94,6 +94,8 @@ template <int G>
   if (c.lane < 32) {
     if (c.bucket > bucket + patience) return b.push(c.v, c.bucket);
     __builtin_prefetch(&b.a.body[ring.lane[c.lane]]);
+    c.ring.store(c.around + turn_front);
+    c.ring.store(c.around + turn_front + n);
     const Faces<G> faces = faces_of<G>(c.star, n);
     const unsigned real = (1u << (ring.has(open) ? n - 1 : n)) - 1;
     do {

@@ -94,8 +94,8 @@ class QuadricSimplifier final : public Simplifier {
 }  // namespace
 
 std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
-  return std::make_unique<QuadricSimplifier>(choose_kernel(set, quadric::plain_kernel, quadric::avx2_kernel),
-                                             placement);
+  return std::make_unique<QuadricSimplifier>(
+      choose_kernel(set, quadric::plain_kernel, quadric::avx2_kernel, quadric::avx512_kernel), placement);
 }
 
 }  // namespace lodestone

@@ -1,4 +1,5 @@
-// The sixteen lanes of a ring, once in plain C++, which says what each operation means, and once in an AVX2 register.
+// The sixteen lanes of a ring, once in plain C++, which says what each operation means, and once in a register of AVX2,
+// with the masks and shifts of lanes that AVX-512 has for it.
 #pragma once
 
 #include <cstdint>
@@ -94,6 +95,29 @@ struct Id16 {
   [[nodiscard]] __m256i equal(Id id) const {
     return _mm256_cmpeq_epi16(lanes, _mm256_set1_epi16(static_cast<short>(id)));
   }
+#if defined(__AVX512VL__)
+  [[nodiscard]] __mmask16 lanes_with(Id id) const {
+    return _mm256_cmpeq_epi16_mask(lanes, _mm256_set1_epi16(static_cast<short>(id)));
+  }
+  [[nodiscard]] unsigned find(Id id) const { return _tzcnt_u32(lanes_with(id) | 0x1'0000u); }
+  [[nodiscard]] bool same(Id16 other) const { return _mm256_cmpneq_epi16_mask(lanes, other.lanes) == 0; }
+  [[nodiscard]] Id16 replace(Id from, Id to) const {
+    return {_mm256_mask_mov_epi16(lanes, lanes_with(from), _mm256_set1_epi16(static_cast<short>(to)))};
+  }
+  // The last two lanes, a `none` and the flags, are kept.
+  [[nodiscard]] Id16 without(unsigned at) const {
+    return {_mm256_mask_compress_epi16(lanes, static_cast<__mmask16>(0x7fff & ~(1u << at)), lanes)};
+  }
+  static Id16 spliced(const Ring& ring, unsigned at, const Id* others, unsigned length) {
+    const __m256i before = load(ring.lane).lanes, between = load(others - at).lanes;
+    const __m256i after = load(ring.lane + 1 - static_cast<int>(length)).lanes;
+    const unsigned from = 0x7fffu << at & 0x7fff;
+    const __m256i lanes = _mm256_mask_mov_epi16(_mm256_mask_mov_epi16(before, static_cast<__mmask16>(from), between),
+                                                static_cast<__mmask16>(from << length & 0x7fff), after);
+    return {_mm256_mask_mov_epi16(lanes, 0x4000, _mm256_set1_epi16(-1))};
+  }
+  static __m256i lanes_from(unsigned first) { return _mm256_movm_epi16(static_cast<__mmask16>(0xffffu << first)); }
+#else
   [[nodiscard]] unsigned find(Id id) const {
     return _tzcnt_u32(static_cast<unsigned>(_mm256_movemask_epi8(equal(id)))) / 2;
   }
@@ -124,6 +148,7 @@ struct Id16 {
     // The last two lanes are a `none` and the flags.
     return {_mm256_blend_epi32(lanes, _mm256_or_si256(before, _mm256_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0xffff)), 0x80)};
   }
+#endif
   static bool closed_fan(const Link& link, unsigned n, Id* ring) {
     const __m128i beyond = _mm256_castsi256_si128(lanes_from(n));
     const __m256i edges = _mm256_load_si256(reinterpret_cast<const __m256i*>(link.edge));

@@ -45,14 +45,16 @@ SimplifyResult sound(const SimplifyInput& input) {
   return result;
 }
 
-TEST(QuadricKernel, GivesTheSameBytesOnEveryInstructionSet) {
-  if (!is_available(InstructionSet::avx2)) GTEST_SKIP() << "no AVX2 here";
+class QuadricKernelOn : public testing::TestWithParam<InstructionSet> {};
+
+TEST_P(QuadricKernelOn, GivesTheSameBytesAsPlain) {
+  if (!is_available(GetParam())) GTEST_SKIP() << "this processor does not have it";
   const auto plain = make_quadric_simplifier(InstructionSet::plain);
-  const auto avx2 = make_quadric_simplifier(InstructionSet::avx2);
+  const auto lanes = make_quadric_simplifier(GetParam());
   for (Case& c : cases()) {
     SCOPED_TRACE(c.name);
     const SimplifyInput input = c.mesh.input(c.bound, c.target);
-    const SimplifyResult &a = plain->simplify(input), &b = avx2->simplify(input);
+    const SimplifyResult &a = plain->simplify(input), &b = lanes->simplify(input);
     EXPECT_EQ(a.parent, b.parent);
     EXPECT_EQ(a.positions, b.positions);
     EXPECT_EQ(a.distance, b.distance);
@@ -60,6 +62,9 @@ TEST(QuadricKernel, GivesTheSameBytesOnEveryInstructionSet) {
     EXPECT_LT(a.triangles, input.triangles.size());
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(All, QuadricKernelOn, testing::Values(InstructionSet::avx2, InstructionSet::avx512),
+                         [](const auto& set) { return set.param == InstructionSet::avx2 ? "avx2" : "avx512"; });
 
 double squared_distance(const SimplifyResult& result, const std::vector<Triangle>& images, Vec3f p) {
   double nearest = std::numeric_limits<double>::infinity();
@@ -90,14 +95,16 @@ TEST(QuadricKernel, MeasuresHowFarTheVerticesAreFromTheImages) {
   }
 }
 
-// Rough sheets of needles in any direction. Distances in single precision fell short here by up to a part in a thousand.
+// Rough sheets of needles in any direction. Distances in single precision fell short here by up to a part in a
+// thousand.
 TEST(QuadricKernel, UnderstatesNoDistanceFromNeedles) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> share(0, 1);
   std::normal_distribution<float> rough;
   for (int k = 0; k < 10; ++k) {
     const float width = std::pow(10.0f, -1 - 3 * share(random)), height = std::pow(10.0f, -4 + 3 * share(random));
-    const Vec3f along = Vec3f{0.5f + share(random), share(random), share(random)}, across = {-0.5f, share(random), 0.7f};
+    const Vec3f along = Vec3f{0.5f + share(random), share(random), share(random)},
+                across = {-0.5f, share(random), 0.7f};
     TestMesh mesh = grid(40, 40, false, [&](float u, float v) {
       const Vec3f up = cross(along, across);
       const float z = height * (std::sin(9 * u) * std::cos(3 * v) + 0.01f * rough(random));
