@@ -5,6 +5,7 @@ A table picks columns of sweeps and says which run made it: commit, machine, dat
 
 import pathlib
 
+from . import costs
 from .reading import load
 from .result_tables import PAGES
 from .values import is_number
@@ -138,6 +139,31 @@ def page_text(results, page):
                       *meanings(results, page), ""])
 
 
+# ---- what accuracy costs
+
+COST_PAGE = "cost"
+COST_QUESTION = "For an error that is asked for, what is the cheapest way, in time, triangles, bytes and memory?"
+
+
+def cost_text(studies):
+    """The page across all studies; empty if none of them has rows for it."""
+    lines = []
+    for part in costs.PARTS:
+        results = studies.get(part.study)
+        rows = costs.part_rows(part, results.settings(*part.sweeps)) if results else []
+        if rows:
+            note = [part.note, ""] if part.note else []
+            lines += [f"## {part.title}", "", *note, *table_lines(costs.headings(part), rows), "",
+                      results.source(part.sweeps), ""]
+    if not lines:
+        return ""
+    return "\n".join(["# What accuracy costs", "", COST_QUESTION, "",
+                      "Each cell has the least cost, from the model on which it is least to the one on which it is most, and the "
+                      "setting that has it; where models or cameras differ in that, on how many of them. `or` stands between "
+                      "settings whose repetitions overlap. The settings are those of the studies' sweeps: a finer grid of them "
+                      "may have a cheaper one.", "", *lines])
+
+
 # ---- the first page
 
 
@@ -253,6 +279,8 @@ def first_page(studies):
         runs = {run.id: run.state for run in results.runs()}
         complete = sum(state == "complete" for state in runs.values())
         page_rows.append((f"[{page.study}]({page.study}.md)", results.study.question, f"{complete} of {len(runs)}"))
+    if cost_text(studies):
+        page_rows.append((f"[{COST_PAGE}]({COST_PAGE}.md)", COST_QUESTION, "of the studies above"))
     lines += [*table_lines(["page", "question", "runs verified"], page_rows), "", "## Source", ""]
     by_source = {}
     for name, results in studies.items():
@@ -269,10 +297,11 @@ def write_pages(folders, target, options=""):
     target = pathlib.Path(target)
     target.mkdir(parents=True, exist_ok=True)
     studies = {page.study: Results(folders[page.study], options) for page in PAGES if page.study in folders}
-    for page in PAGES:
-        path = target / f"{page.study}.md"
-        if page.study in studies:
-            path.write_text(page_text(studies[page.study], page), encoding="utf-8")
+    texts = {page.study: page_text(studies[page.study], page) if page.study in studies else "" for page in PAGES}
+    for name, text in {**texts, COST_PAGE: cost_text(studies)}.items():
+        path = target / f"{name}.md"
+        if text:
+            path.write_text(text, encoding="utf-8")
         else:
             path.unlink(missing_ok=True)
     (target / "README.md").write_text(first_page(studies), encoding="utf-8")

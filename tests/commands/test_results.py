@@ -19,7 +19,7 @@ from sweep_folder import SweepFolder, column, parameter
 RESULTS = ROOT / "scripts/results"
 sys.path.insert(0, str(ROOT / "python"))
 
-from lodestone_report import result_tables, results  # noqa: E402
+from lodestone_report import costs, result_tables, results  # noqa: E402
 from lodestone_report.settings import Cell  # noqa: E402
 
 # Sweeps until it is told to end, tidies up for a while, and says so; or does what FAKE_* ask for.
@@ -91,6 +91,40 @@ class Columns(CommandCase):
                         self.assertLessEqual({column[1] for column in table.columns}, self.known(experiment))
 
 
+    def test_of_what_accuracy_costs_are_known_too(self):
+        for part in costs.PARTS:
+            text = (ROOT / "experiments/studies/standard" / f"{part.study}.toml").read_text(encoding="utf-8")
+            experiments = dict(re.findall(r'\[\[sweep\]\]\nname = "(\w+)"\nexperiment = "(\w+)"', text))
+            for sweep in part.sweeps:
+                with self.subTest(part=part.title, sweep=sweep):
+                    columns = {part.error[1], *part.ways, *(column for _, column, _ in part.costs)}
+                    self.assertLessEqual(columns, self.known(experiments[sweep]))
+
+
+class CostPage(FolderCase):
+    """The page across studies, of a folder of the study `accuracy` by hand."""
+
+    def setUp(self):
+        super().setUp()
+        study = SweepFolder(self.folder / "accuracy", "accuracy", "Accuracy")
+        study.sweep("families", [column("family", "label"), column("rms", "accuracy"), column("cpu_seconds", "cost"),
+                                 column("triangles", "cost")], [], repetitions=1)
+        run = study.run("families", "ball", {})
+        study.rows(run, 0, [{"family": "hlod", "rms": 0.1, "cpu_seconds": 1, "triangles": 5000},
+                            {"family": "meshoptimizer", "rms": 0.1, "cpu_seconds": 3, "triangles": 4000}],
+                   start="2026-01-31T12:00:00Z")
+        results.write_pages({"accuracy": study.write()}, self.folder / "pages")
+
+    def test_has_the_cheapest_way_for_each_cost(self):
+        page = (self.folder / "pages/cost.md").read_text(encoding="utf-8")
+        self.assertIn("| 0.1 | 1 of 1 | 1: hlod | 4,000: meshoptimizer |", page)
+        self.assertIn("; 2026-01-31; `scripts/results accuracy`", page)
+        self.assertNotIn("A frame", page)
+
+    def test_is_named_on_the_first_page(self):
+        self.assertIn("[cost](cost.md)", (self.folder / "pages/README.md").read_text(encoding="utf-8"))
+
+
 class Pages(FolderCase):
     """A folder of the study `guarantee` by hand: two runs that hold, one that does not verify."""
 
@@ -142,7 +176,7 @@ class Pages(FolderCase):
         for path in pages.glob("*.md"):
             if path.name == "README.md":
                 continue
-            self.assertIn(path.stem, results.STUDIES)
+            self.assertIn(path.stem, [*results.STUDIES, results.COST_PAGE])
             for section in path.read_text(encoding="utf-8").split("\n## ")[1:]:
                 if "\n| --- |" in section:
                     self.assertRegex(section, r"\nCommit [0-9a-f]{7}.*; .*; \d{4}-\d\d-\d\d.*; `scripts/results", path.name)
