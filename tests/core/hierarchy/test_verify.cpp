@@ -47,6 +47,18 @@ TEST(Verify, AnswersWithoutTheInputToo) {
 }
 
 // Points spread over both surfaces are the slow twin of the verifier's; halved errors are exceeded twice as far.
+TEST(Verify, TellsItsProgressUpToTheEnd) {
+  for (const IndexedMesh& mesh : {test::bumpy_sphere(3), test::bumpy_sphere(4)}) {
+    std::vector<double> told;
+    (void)verify_hierarchy(test::naive_hierarchy(mesh, finest, sigma0).hierarchy, &mesh,
+                           [&](double share) { told.push_back(share); });
+    ASSERT_FALSE(told.empty());
+    EXPECT_GT(told.front(), 0);
+    EXPECT_TRUE(std::ranges::is_sorted(told));
+    EXPECT_EQ(told.back(), 1);
+  }
+}
+
 TEST(Verify, SaysHowFarPointsExceedTheErrors) {
   Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), finest, sigma0).hierarchy;
   const std::vector<double> ratio = verify_hierarchy(h).error_ratio;

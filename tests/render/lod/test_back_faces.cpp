@@ -199,6 +199,39 @@ TEST(BackFaces, WhatIsCalledOutsideIsOutside) {
   EXPECT_FALSE(OutsideSpace({}).contains({0, 0, 0}));
 }
 
+// A vertex may be anywhere within its reach of a cell's box.
+TEST(BackFaces, ThePlacesThatTheSurfaceMayEnterAreNotOutside) {
+  for (const Hierarchy* h : {&sphere(), &torus()}) {
+    const OutsideSpace outside(*h);
+    const float margin = 0.999f * (displacement_bound(h->sigma0, h->finest()) + OutsideSpace::clearance);
+    for (const Cell& cell : h->cells_of(h->finest()))
+      for (unsigned corner = 0; corner < 8; ++corner) {
+        const Vec3f &lo = cell.bounds.lo, &hi = cell.bounds.hi;
+        const Vec3f p{corner & 1 ? hi.x + margin : lo.x - margin, corner & 2 ? hi.y + margin : lo.y - margin,
+                      corner & 4 ? hi.z + margin : lo.z - margin};
+        const auto in = [](float v) { return v > 0 && v < 1; };
+        if (in(p.x) && in(p.y) && in(p.z)) EXPECT_FALSE(outside.contains(p));
+      }
+  }
+}
+
+// The bottom of a bowl is reached from its open side alone, whichever that is.
+TEST(BackFaces, OutsideReachesIntoBowlsFromEverySide) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upward : {false, true}) {
+      IndexedMesh bowl = test::sphere_mesh(5);
+      std::erase_if(bowl.triangles, [&](const Triangle& t) {
+        const Vec3f p = bowl.positions[t.v[0]];
+        const float along = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+        return upward ? along > 0.5f : along < 0.5f;
+      });
+      const NaiveHierarchy small = test::naive_hierarchy(bowl, 4, 0.5f);
+      const float bottom = upward ? 0.25f : 0.75f;
+      const Vec3f within{axis == 0 ? bottom : 0.5f, axis == 1 ? bottom : 0.5f, axis == 2 ? bottom : 0.5f};
+      EXPECT_TRUE(OutsideSpace(small.hierarchy).contains(within)) << "axis " << axis << ", upward " << upward;
+    }
+}
+
 TEST(BackFaces, AreDrawnWhereTheyCanBeSeen) {
   const auto scheduler = make_serial_scheduler();
   const Vec3f away{3, 0, 0};
