@@ -123,5 +123,23 @@ TEST(TextureLevels, StopWhenTheyAreToldTo) {
   EXPECT_THROW((void)add_texture_copies(h, *scheduler, &cancel), Cancelled);
 }
 
+TEST(TextureLevels, RoughnessIsAveragedAsItIs) {
+  Hierarchy h;
+  PixelImage image{.size = {64, 64}, .channels = 3, .pixels = {}};
+  for (std::size_t k = 0; k < 64 * 64 * 3; ++k) image.pixels.push_back(static_cast<std::uint8_t>(k * k >> 3));
+  h.textures = {{.name = "t", .media_type = "image/png", .bytes = encode_image(image, "image/png")}};
+  h.materials = {{.name = "m"}};
+  const auto copy = [&] { return decode_image(make_texture_copies(h, 0, 1).at(0).bytes, "image/png"); };
+  const auto expected = [&](PixelMeaning meaning) { return to_pixels(halve(image, meaning), meaning); };
+  EXPECT_EQ(copy(), expected(PixelMeaning::colours)) << "a texture of no material";
+  for (PlacedTexture Material::*use : {&Material::metallic_roughness, &Material::occlusion}) {
+    h.materials = {{.name = "m"}};
+    (h.materials[0].*use).texture = 0;
+    EXPECT_EQ(copy(), expected(PixelMeaning::values));
+  }
+  h.materials[0].emissive_map.texture = 0;
+  EXPECT_EQ(copy(), expected(PixelMeaning::colours));
+}
+
 }  // namespace
 }  // namespace lodestone

@@ -1,84 +1,19 @@
-// Views that break renderers: from a vertex, from inside, from a face of a cell, from nearly infinitely far away, with
-// the near plane through triangles, with very narrow and very wide fields of view, camera jumps, kappa0 beside the
-// reach, and models of very different size. On every backend: finite pictures without holes, the same as those of
-// `soft`.
+// Views that break renderers, camera jumps, kappa0 beside the reach, and models of very different size. On every
+// backend: finite pictures without holes, the same as those of `soft`.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <tuple>
 
-#include "experiments/metrics/cracks/adversary.h"
-#include "experiments/metrics/cracks/cracks.h"
-#include "experiments/metrics/pops/pops.h"
 #include "render/scene/scene_view.h"
 #include "tests/expect_error.h"
-#include "tests/render/conformance.h"
+#include "tests/stability/view_cases.h"
 
 namespace lodestone::test {
 namespace {
 
-constexpr double degree = 0.017453292519943295;
 constexpr const char* backends[] = {"soft", "gl", "null"};
-
-// A closed surface with several levels, whose extent is not 1 and whose origin is not 0.
-std::shared_ptr<const Hierarchy> model() {
-  static const std::shared_ptr<const Hierarchy> made = [] {
-    const auto scheduler = make_serial_scheduler();
-    RawMesh mesh = generate_mesh({Shape::sphere, 12'000, 1});
-    for (Vec3d& p : mesh.positions) p = 3.0 * p + Vec3d{10, -7, 2};
-    Repairs repairs;
-    BuildConfig config;
-    config.cell_triangles = 200;
-    config.strategy = Strategy::serial;
-    return std::make_shared<Hierarchy>(
-        build_hierarchy(prepare_mesh(std::move(mesh), repairs, *scheduler), config, *scheduler));
-  }();
-  return made;
-}
-
-struct ViewCase : ConformanceScene {
-  bool inside = false;  // every pixel sees the model
-};
-
-// Cameras are given in normalised space; radii ask for one pixel.
-ViewCase view_case(const char* name, Vec3d from, Vec3d to, double fov = 0.785) {
-  ViewCase view{{.name = name, .hierarchy = model(), .camera = detail::camera(*model(), from, to, fov), .radii = {}}};
-  view.size = {160, 120};
-  view.radii = for_picture({}, view.size, fov);
-  return view;
-}
-
-constexpr Vec3d middle{0.5, 0.5, 0.5};
-
-// The field of view in which the model fills most of the picture, as far from it.
-double fov_at(double distance) { return 2 * std::atan(0.65 / distance); }
-
-std::vector<ViewCase> view_cases() {
-  const Cell& leaf = model()->cells_of(model()->finest()).front();
-  const Vec3d vertex = to_double(leaf.positions.front());
-  std::vector<ViewCase> views;
-  views.push_back(view_case("on_a_vertex_outwards", vertex, vertex + (vertex - middle)));
-  views.push_back(view_case("on_a_vertex_inwards", vertex, middle));
-  views.push_back(view_case("inside", middle, {1, 0.7, 0.6}));
-  views.back().inside = true;
-  views.push_back(view_case("on_a_face_of_cells_inside", {0.5, 0.5, 0.25 + 0.125}, {0.9, 0.8, 0.4}));
-  views.back().inside = true;
-  views.push_back(view_case("on_a_corner_of_the_root", {1, 1, 1}, middle));
-  views.push_back(view_case("on_a_face_of_the_root", {0, 0.5, 0.5}, {0.5, 0.5, 0.625}));
-  views.push_back(view_case("one_degree", {0.5, -20, 0.5}, middle, degree));
-  views.push_back(view_case("one_degree_nearby", {0.5, -0.2, 0.5}, middle, degree));
-  views.push_back(view_case("170_degrees", {0.5, -0.05, 0.5}, middle, 170 * degree));
-  views.push_back(view_case("170_degrees_inside", middle, {0.5, 1, 0.5}, 170 * degree));
-  views.back().inside = true;
-  for (const double closer : {1e-2, 1e-4, 1e-6})
-    views.push_back(view_case(("near_plane_" + std::to_string(views.size())).c_str(),
-                              vertex + closer * (vertex - middle), vertex + Vec3d{0.1, 0.07, -0.05}, 1.2));
-  for (const double far : {1e2, 1e4, 1e6, 1e8, 1e12})
-    views.push_back(view_case(("far_" + std::to_string(views.size())).c_str(), middle + far * Vec3d{0.36, -0.8, 0.48},
-                              middle, fov_at(far)));
-  return views;
-}
 
 class ViewCases : public ::testing::TestWithParam<std::tuple<std::size_t, const char*>> {
  protected:
@@ -322,93 +257,6 @@ TEST_P(ViewsOnBackend, BesideTheReachAreFinite) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, ViewsOnBackend, ::testing::ValuesIn(backends),
                          [](const auto& instance) { return std::string(instance.param); });
-
-// ---- what does not depend on a backend ----
-
-struct Drawn {
-  Drawn(const Radii& radii, Blend blend, Vec3f from) : context{model().get(), &radii, blend, from} {
-    select_cells(*model(), radii, from, {}, selection);
-  }
-  MorphContext context;
-  Selection selection;
-};
-
-class ViewGuarantees : public ::testing::Test {
- protected:
-  void expect_no_crack(const Drawn& drawn) {
-    EXPECT_EQ(residual_edges(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).gap_max, 0);
-  }
-  [[nodiscard]] double gap(const Drawn& drawn) {
-    return vertex_gaps(drawn.context, drawn.selection, *basis_, *scheduler_, scratch_).gap_max;
-  }
-  std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
-  std::shared_ptr<const CrackBasis> basis_ = make_crack_basis(*model(), *scheduler_);
-  CrackScratch scratch_;
-};
-
-// From each of the views to the next: the largest jumps there are.
-TEST_F(ViewGuarantees, NeitherCracksNorPops) {
-  for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
-    for (const Blend blend : {Blend::linear, Blend::smoothstep, Blend::late}) {
-      std::optional<Drawn> before;
-      RadiiConfig config;
-      config.metric = metric;
-      config.kappa0 = 1.0f;
-      const Radii radii = make_radii(*model(), config);
-      for (const ViewCase& view : view_cases()) {
-        SCOPED_TRACE(view.name);
-        Drawn now(radii, blend, viewpoint(view.camera, model()->transform));
-        expect_no_crack(now);
-        if (before) {
-          EXPECT_LE(
-              largest_jump(before->context, before->selection, now.context, now.selection, *scheduler_).jump_over_bound,
-              1);
-        }
-        before.emplace(std::move(now));
-      }
-    }
-}
-
-// Radii are admissible above the reach and its guard. Where they say so nothing cracks, the adversary included, and
-// just below the largest reach of a vertex that the adversary knows it finds a crack.
-TEST_F(ViewGuarantees, EndJustBelowTheReach) {
-  for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev}) {
-    RadiiConfig config;
-    config.rule = RadiiRule::uniform;
-    config.metric = metric;
-    const float rho = greatest_reach(*model(), metric);
-    std::vector<float> around{rho, std::nextafter(rho, 0.0f), std::nextafter(rho, 9.0f)};
-    for (const float by : {1e-6f, 4e-6f, 1e-5f, 2e-5f, 1e-4f})
-      around.insert(around.end(), {rho * (1 - by), rho * (1 + by)});
-    std::size_t admissible = 0;
-    for (const float kappa0 : around) {
-      config.kappa0 = kappa0;
-      const Radii radii = make_radii(*model(), config);
-      admissible += radii.admissible;
-      EXPECT_TRUE(!radii.admissible || kappa0 > rho);
-      EXPECT_TRUE(radii.admissible || kappa0 < 1.00005f * rho);
-      if (!radii.admissible) continue;
-      for (const AdversarialView& view : adversarial_views(*model(), radii))
-        for (const Vec3f from : {view.viewpoint, view.across}) expect_no_crack(Drawn(radii, Blend::smoothstep, from));
-    }
-    EXPECT_GE(admissible, 1u);
-    config.kappa0 = rho;
-    float known = 0;
-    for (const AdversarialView& view : adversarial_views(*model(), make_radii(*model(), config)))
-      known = std::max(known, view.reach);
-    EXPECT_LE(known, rho);
-    EXPECT_GT(known, 0.5f * rho);
-    for (const float below : {0.9999f, 0.99f, 0.9f, 0.5f}) {
-      config.kappa0 = below * known;
-      const Radii radii = make_radii(*model(), config);
-      double widest = 0;
-      for (const AdversarialView& view : adversarial_views(*model(), radii))
-        widest = std::max(widest, gap(Drawn(radii, Blend::smoothstep, view.viewpoint)));
-      EXPECT_GT(widest, 0) << below;
-    }
-  }
-}
 
 }  // namespace
 }  // namespace lodestone::test

@@ -5,11 +5,13 @@
 #include <map>
 #include <optional>
 
+#include "core/base/error.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/device/target.h"
 #include "render/backends/gl/device/timed_sections.h"
 #include "render/backends/gl/passes/ambient_occlusion_pass.h"
+#include "render/backends/gl/passes/capture_pass.h"
 #include "render/backends/gl/passes/culling_pass.h"
 #include "render/backends/gl/passes/cut_pass.h"
 #include "render/backends/gl/passes/layers_pass.h"
@@ -162,41 +164,7 @@ class MultiDrawRenderer final : public GlRenderer {
     for (ModelFrame& model : plain.models) model.effects.erase(Effect::wireframe);
     resources_->stream.next_frame();
     prepare(plain, stats);
-    std::vector<Vec3f> corners(static_cast<std::size_t>(3 * stats.triangles));
-    if (corners.empty()) return corners;
-
-    const auto bytes = static_cast<GLsizeiptr>(corners.size() * sizeof(Vec3f));
-    const GlBuffer captured;
-    const GlPrimitiveCounter written;
-    glNamedBufferStorage(captured.name(), bytes, nullptr, 0);
-    check_memory("capturing the drawn triangles");
-    const GlFramebuffer nowhere;  // without a window there is none that could remain bound
-    glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_WIDTH, 1);
-    glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, 1);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, nowhere.name());
-    glEnable(GL_RASTERIZER_DISCARD);
-    glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written.name());
-    // A program may not change while its vertices are captured: each pipeline has its part of the buffer.
-    std::uint64_t before = 0;
-    resources_->commands.draw(*resources_->scene, [&](const GlPipeline& pipeline) {
-      if (before > 0) glEndTransformFeedback();
-      glUseProgram(program(pipeline.variant).name());
-      constexpr std::uint64_t triangle_bytes = 3 * sizeof(Vec3f);
-      glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.name(),
-                        static_cast<GLintptr>(before * triangle_bytes),
-                        static_cast<GLsizeiptr>(pipeline.triangles * triangle_bytes));
-      glBeginTransformFeedback(GL_TRIANGLES);
-      before += pipeline.triangles;
-    });
-    glEndTransformFeedback();
-    glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
-    glDisable(GL_RASTERIZER_DISCARD);
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
-    GLuint64 triangles = 0;
-    glGetQueryObjectui64v(written.name(), GL_QUERY_RESULT, &triangles);
-    assert(triangles == stats.triangles);
-    glGetNamedBufferSubData(captured.name(), 0, bytes, corners.data());
-    return corners;
+    return capture_triangles(resources_->commands, *resources_->scene, use_program());
   }
 
   [[nodiscard]] std::vector<Selection> select(const Frame& frame) override {

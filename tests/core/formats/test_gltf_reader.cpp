@@ -368,5 +368,27 @@ TEST(Gltf, RealTilesHaveTheTrianglesOfTheirDataSheet) {
   EXPECT_EQ(mesh.textures[0].bytes.size(), 254593u);
 }
 
+TEST(GltfInstances, AreExpanded) {
+  GltfFile file = triangle_file();
+  nlohmann::json& node = file.json["nodes"][0];
+  node["translation"] = {10, 0, 0};
+  const double half = std::sqrt(0.5);
+  const std::size_t move = file.floats({0, 0, 0, 0, 5, 0}, "VEC3");
+  const std::size_t turn = file.floats({0, 0, 0, 1, 0, 0, static_cast<float>(half), static_cast<float>(half)}, "VEC4");
+  const std::size_t scale = file.floats({1, 1, 1, 2, 2, -2}, "VEC3");
+  nlohmann::json& attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes = {{"TRANSLATION", move}, {"ROTATION", turn}, {"SCALE", scale}};
+  file.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  const RawMesh mesh = read_bytes(file.glb(), gltf);
+  ASSERT_EQ(mesh.positions.size(), 6u);
+  const std::vector<Vec3d> expected{{10, 0, 0}, {11, 0, 0}, {10, 1, 0}, {10, 5, 0}, {10, 7, 0}, {8, 5, 0}};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_LT(length(mesh.positions[i] - expected[i]), 1e-6) << i;
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{{0, 1, 2}}, {{3, 5, 4}}})) << "the second is mirrored";
+  attributes["SCALE"] = file.floats({1, 1, 1}, "VEC3");
+  expect_error<InputError>(file.glb(), gltf, {"file: nodes[0]", "SCALE", "does not match the other attributes"});
+  attributes = nlohmann::json::object();
+  expect_error<InputError>(file.glb(), gltf, {"no triangle"});
+}
+
 }  // namespace
 }  // namespace lodestone

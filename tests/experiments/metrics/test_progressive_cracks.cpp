@@ -8,16 +8,10 @@
 #include "experiments/metrics/cracks/progressive_cracks.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/core/progressive/progressive_checks.h"
-#include "tests/parallel/progressive_meshes.h"
+#include "tests/parallel/progressive/progressive_meshes.h"
 
 namespace lodestone {
 namespace {
-
-ProgressiveMesh make(const IndexedMesh& mesh) {
-  const auto scheduler = make_serial_scheduler();
-  ProgressiveReport report;
-  return make_progressive(mesh, {}, *scheduler, report);
-}
 
 // Three walls that meet at one edge, each of n x n squares: two of them are paired, the third ends there.
 IndexedMesh three_walls(std::uint32_t n, Scheduler& scheduler) {
@@ -48,7 +42,7 @@ TEST(ProgressiveCracks, SoundMeshesHaveNone) {
   meshes.push_back(test::textured_torus(40, 30, true, *scheduler));
   meshes.push_back(test::touching_cubes(6, *scheduler));
   meshes.push_back(three_walls(12, *scheduler));
-  for (const IndexedMesh& mesh : meshes) EXPECT_EQ(residual_edges_of_levels(make(mesh), 20), 0u);
+  for (const IndexedMesh& mesh : meshes) EXPECT_EQ(residual_edges_of_levels(test::progressive_of(mesh), 20), 0u);
 }
 
 TEST(ProgressiveCracks, ThreeWallsAreCutWhereTheyMeet) {
@@ -79,7 +73,7 @@ std::size_t unpaired(const ProgressiveMesh& mesh, std::uint32_t level) {
 // in, the triangles of one end elsewhere than those of the other.
 TEST(ProgressiveCracks, ATornSeamIsSeen) {
   const auto scheduler = make_serial_scheduler();
-  const ProgressiveMesh sound = make(test::textured_torus(40, 30, true, *scheduler));
+  const ProgressiveMesh sound = test::progressive_of(test::textured_torus(40, 30, true, *scheduler));
   const std::vector<std::uint32_t> group = test::obvious_groups(sound);
   int torn = 0;
   for (std::uint32_t v = sound.base_vertices + 1; v < sound.vertex_count(); v += 7) {
@@ -100,7 +94,7 @@ TEST(ProgressiveCracks, ATornSeamIsSeen) {
 // A level that takes one wedge of a vertex without the other.
 TEST(ProgressiveCracks, ALevelThatSplitsAVertexIsSeen) {
   const auto scheduler = make_serial_scheduler();
-  const ProgressiveMesh mesh = make(test::textured_torus(40, 30, true, *scheduler));
+  const ProgressiveMesh mesh = test::progressive_of(test::textured_torus(40, 30, true, *scheduler));
   const std::vector<std::uint32_t> group = test::obvious_groups(mesh);
   int split = 0;
   for (std::uint32_t v = mesh.base_vertices + 1; v < mesh.vertex_count(); ++v) {
@@ -113,7 +107,7 @@ TEST(ProgressiveCracks, ALevelThatSplitsAVertexIsSeen) {
 
 // Copies that a cut made may part; vertices that share an edge of two triangles may not.
 TEST(ProgressiveCracks, ATearThroughTheSurfaceIsSeen) {
-  const ProgressiveMesh sound = make(test::sphere_mesh(4));
+  const ProgressiveMesh sound = test::progressive_of(test::sphere_mesh(4));
   // The last vertex twice, one for each half of its triangles; the copy collapses elsewhere.
   ProgressiveMesh mesh = sound;
   const std::uint32_t last = mesh.vertex_count() - 1;

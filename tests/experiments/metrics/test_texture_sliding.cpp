@@ -8,7 +8,7 @@
 #include "experiments/metrics/geometry/texture_sliding.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/expect_error.h"
-#include "tests/parallel/progressive_meshes.h"
+#include "tests/parallel/progressive/progressive_meshes.h"
 
 namespace lodestone::test {
 namespace {

@@ -12,34 +12,17 @@
 #include "render/reconstruct/finish/survey.h"
 #include "render/reconstruct/views/choose_views.h"
 #include "render/reconstruct/views/coarse_copy.h"
+#include "tests/render/reconstruct/edit_meshes.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
 namespace {
-
-IndexedMesh mesh_of(std::vector<Triangle> triangles, std::size_t vertices) {
-  IndexedMesh mesh;
-  mesh.positions.resize(vertices);
-  mesh.triangles = std::move(triangles);
-  return mesh;
-}
 
 void expect_twins_agree(const IndexedMesh& mesh) {
   const Survey found = survey(mesh);
   EXPECT_EQ(found.census, count_edges(mesh.triangles, mesh.positions.size()));
   const bool is_surface = found.census.non_manifold + found.census.inconsistent == 0;
   EXPECT_EQ(found.handles, is_surface ? count_handles(mesh) : std::nullopt);
-}
-
-// Two copies that share vertex 0.
-IndexedMesh touching(IndexedMesh mesh) {
-  const auto count = static_cast<std::uint32_t>(mesh.positions.size());
-  for (Triangle t : std::vector<Triangle>(mesh.triangles)) {
-    for (std::uint32_t& v : t.v) v = v == 0 ? 0 : v + count;
-    mesh.triangles.push_back(t);
-  }
-  mesh.positions.resize(2 * count);
-  return mesh;
 }
 
 TEST(Survey, AgreesWithItsTwins) {

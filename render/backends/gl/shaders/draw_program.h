@@ -1,5 +1,4 @@
-// The programs of the gl backend: the morph of render/lod/morph.h in GLSL, operation by operation, and the code of the
-// effects that are called for.
+// The programs of the gl backend: the morph (morph_source.h) and the code of the effects that are called for.
 #pragma once
 
 #include <array>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "tests/experiments/study_case.h"
+#include "tests/experiments/studies/study_case.h"
 
 namespace lodestone {
 namespace {

@@ -1,9 +1,11 @@
-// Surfaces with charts and seams for the tests of progressive meshes.
+// Surfaces with charts and seams for the tests of progressive meshes, and these meshes with readers of their bytes.
 #pragma once
 
+#include "core/files/byte_reader.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/raw_mesh.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/progressive/make_progressive.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
@@ -37,6 +39,27 @@ inline IndexedMesh touching_cubes(std::uint32_t n, Scheduler& scheduler) {
         n, [&](Vec3d p) { return at + p; }, raw.positions, raw.triangles);
   Repairs repairs;
   return prepare_mesh(std::move(raw), repairs, scheduler);
+}
+
+inline ProgressiveMesh progressive_of(const IndexedMesh& mesh, const ProgressiveConfig& config = {}) {
+  ProgressiveReport report;
+  return make_progressive(mesh, config, *make_serial_scheduler(), report);
+}
+
+// Closed, open, with a base of some triangles, with seams and with vertices that are cut apart.
+inline std::vector<ProgressiveMesh> some_progressive_meshes() {
+  const auto scheduler = make_serial_scheduler();
+  return {progressive_of(sphere_mesh(5)),
+          progressive_of(sphere_mesh(4), {.base_triangles = 300}),
+          progressive_of(terrain_mesh(40)),
+          progressive_of(textured_torus(40, 30, false, *scheduler)),
+          progressive_of(textured_torus(40, 30, true, *scheduler)),
+          progressive_of(touching_cubes(6, *scheduler))};
+}
+
+template <class Bytes>
+inline ByteReader reader_of(const Bytes& bytes) {
+  return ByteReader({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "test");
 }
 
 }  // namespace lodestone::test

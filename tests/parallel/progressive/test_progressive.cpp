@@ -13,7 +13,7 @@
 #include "parallel/progressive/make_progressive.h"
 #include "parallel/progressive/merge_records.h"
 #include "tests/core/progressive/progressive_checks.h"
-#include "tests/parallel/progressive_meshes.h"
+#include "tests/parallel/progressive/progressive_meshes.h"
 #include "tests/test_data.h"
 
 namespace lodestone {
@@ -222,7 +222,8 @@ TEST(ProgressiveMesh, LevelsByTrianglesAndByError) {
 
 TEST(ProgressiveMesh, AFinestLevelOfFewerTriangles) {
   const auto scheduler = make_serial_scheduler();
-  for (const IndexedMesh& input : {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
+  for (const IndexedMesh& input :
+       {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
     ProgressiveReport report;
     const std::size_t all = input.triangles.size();
     EXPECT_EQ(make_progressive(input, {.finest_triangles = all}, *scheduler, report).triangles.size(), all);

@@ -16,21 +16,18 @@
 #include "parallel/mesh/compare.h"
 #include "parallel/progressive/level_errors.h"
 #include "parallel/progressive/make_progressive.h"
-#include "tests/parallel/progressive_meshes.h"
+#include "tests/parallel/progressive/progressive_meshes.h"
 
 namespace lodestone {
 namespace {
+
+using test::progressive_of;
 
 const std::unique_ptr<Scheduler> scheduler = make_serial_scheduler();
 
 IndexedMesh generated(Shape shape, std::uint64_t triangles) {
   Repairs repairs;
   return prepare_mesh(generate_mesh({.shape = shape, .triangles = triangles}), repairs, *scheduler);
-}
-
-ProgressiveMesh progressive_of(const IndexedMesh& mesh) {
-  ProgressiveReport report;
-  return make_progressive(mesh, {}, *scheduler, report);
 }
 
 // The larger of both directions.
