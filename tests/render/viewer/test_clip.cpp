@@ -228,6 +228,28 @@ TEST_P(ClipDrawn, RefusesAPlaneThatIsNone) {
   EXPECT_THROW((void)own_->draw(frame), InputError);
 }
 
+// By its distance from the eye, as any surface: the colour of a point does not tell where in the picture it is.
+TEST(CutFaces, FogThickensWithTheDistance) {
+  Frame frame;
+  frame.size = {640, 360};
+  frame.lens = {.tan_x = 0.8f, .tan_y = 0.45f, .near = 0.1f, .far = 20};
+  frame.settings.fog = {{0, 0, 1}, 0.3f};
+  frame.only().effects = {Effect::fog};
+  const effects::CutFace face{&frame.only(), {}, {1, 0, 0}};
+  for (const Vec3d& p :
+       {Vec3d{0, 0, 2}, Vec3d{1, 0.5, 2}, Vec3d{-1, 0.5, 2}, Vec3d{3, -2, 9}}) {  // z: away from the eye
+    const double x = (p.x / (p.z * double{frame.lens.tan_x}) + 1) / 2 * frame.size.width,
+                 y = (p.y / (p.z * double{frame.lens.tan_y}) + 1) / 2 * frame.size.height;
+    const double near = frame.lens.near, far = frame.lens.far, z = (far - near * far / p.z) / (far - near);
+    const double clear = std::exp(-0.3 * length(p));
+    const Vec3f colour = effects::cut_colour(face, frame, x, y, z);
+    EXPECT_NEAR(colour.x, clear, 1e-5);
+    EXPECT_NEAR(colour.z, 1 - clear, 1e-5);
+  }
+  frame.only().effects = {};
+  EXPECT_EQ(effects::cut_colour(face, frame, 10, 10, 0.5), face.colour);
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, ClipDrawn, testing::Values("soft", "gl"));
 
 }  // namespace
