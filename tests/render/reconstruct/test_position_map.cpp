@@ -156,6 +156,26 @@ TEST(PositionMap, OfTwiceTheResolutionHasEveryOtherPixelInPlace) {
   }
 }
 
+// A plane that is seen in every pixel, those at the border of the picture included.
+TEST(CondensedMap, OfAPlaneBeyondThePictureIsThePlane) {
+  const IndexedMesh square{{{0, 0, 0.5f}, {1, 0, 0.5f}, {1, 1, 0.5f}, {0, 1, 0.5f}}, {{{0, 1, 2}}, {{0, 2, 3}}}, {}};
+  const auto serial = make_serial_scheduler();
+  const MapView view{.eye = {0.5, 0.5, 1}, .pixel = 0.07, .width = 9, .height = 6};
+  const PositionMap fine = rasterize_map(square, finer_view(view), {}, *serial);
+  CondensedMap result = condensed_like(fine, view);
+  condense_rows(fine, {}, 0, view.height, result);
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * view.width + x);
+      ASSERT_TRUE(result.map.sees(i));
+      EXPECT_LT(length(result.vertex[i] - result.map.position[i]), 1e-6f) << x << " " << y;
+      EXPECT_EQ(result.map.normal[i], (Vec3f{0, 0, 1}));
+      const bool right = x + 1 < view.width, down = y + 1 < view.height;
+      EXPECT_EQ(result.links[i],
+                (right ? link_right : 0) | (down ? link_down : 0) | (right && down ? link_diagonal | link_across : 0));
+    }
+}
+
 TEST(PositionMap, SeesTheInsideBehindAPlane) {
   const IndexedMesh mesh = sphere_mesh(4, 0);
   const auto serial = make_serial_scheduler();
