@@ -201,6 +201,25 @@ TEST(FillHoles, CutsEarsOffAConvexHole) {
   EXPECT_EQ(none_filled.open, 2u);
 }
 
+// The border of the model runs around the ring, and around its hole where that is one of the model.
+TEST(FillHoles, LeavesGapsOfTheModelOpen) {
+  const auto serial = make_serial_scheduler();
+  constexpr std::uint32_t n = 17;
+  const Vec3f middle{7, 3, 0};
+  for (const bool is_gap : {true, false}) {
+    SeamMesh seam = ring(n);
+    for (Vec3f& p : seam.position) p = p + middle;
+    std::vector<BorderPoint> points;
+    for (std::uint32_t v = is_gap ? 0 : n; v < 2 * n; ++v)
+      points.push_back({seam.position[v], (v < n ? -1.0f : 1 / 1.1f) * (seam.position[v] - middle)});
+    const ModelBorder border(points, 0.45f);
+    mark_rims(border, seam, *serial);
+    const FillResult result = fill_holes(seam, {.spacing = 1});
+    EXPECT_EQ(result.filled, is_gap ? 0u : 1u);
+    EXPECT_EQ(result.open, is_gap ? 2u : 1u);
+  }
+}
+
 TEST(SplitVertices, PartsFansAndTheirBorders) {
   // Two triangles that meet in vertex 0.
   const std::vector<Vec3f> positions{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}};
