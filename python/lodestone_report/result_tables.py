@@ -16,12 +16,23 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Correlation:
+    """How far these columns, (heading, column), agree; a path is what has equal values of `path`."""
+
+    title: str
+    sweeps: tuple
+    columns: list
+    path: tuple
+
+
+@dataclass(frozen=True)
 class Page:
     """`notes`: what a reader has to know beside the columns' meanings; without measured numbers, which would go stale."""
 
     study: str
     tables: list
     notes: str = ""
+    correlation: Correlation | None = None
 
 
 DATA, TRIANGLES = ("data", "data"), ("triangles", "triangles")
@@ -200,7 +211,10 @@ PAGES = [
                ("to make, CPU s", "make_cpu_seconds")]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
-       "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns."),
+       "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns.",
+       Correlation("How far measures of pops agree", ("scans", "generated", "orbit", "others", "terrain"),
+                   [JUMP, ("shift, pixels", "shift_pixels"), POP, ("pop area, pixels", "pop_area"), FLIP_POP, AREA,
+                    ("FLIP", "flip"), ("screen error, pixels", "screen_error")], ("data", "camera", "pixel_error"))),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,

@@ -5,7 +5,7 @@ A table picks columns of sweeps and says which run made it: commit, machine, dat
 
 import pathlib
 
-from . import costs
+from . import costs, correlation
 from .reading import load
 from .result_tables import PAGES
 from .values import is_number
@@ -116,6 +116,20 @@ def meanings(results, page):
     return [f"- **{heading}**: {known[heading]}" for heading in sorted(known, key=str.lower)]
 
 
+def correlation_lines(results, wanted):
+    def path_of(setting):
+        return setting.value("sweep"), *(setting.value(name) for name in wanted.path)
+
+    headings, columns = zip(*wanted.columns)
+    rows = correlation.matrix(results.settings(*wanted.sweeps), columns, path_of)
+    if not any(any(row) for row in rows):
+        return []
+    return [f"## {wanted.title}", "", "Rank correlations (spearman1904) and numbers of pairs: above the diagonal over all "
+            "settings, below it among the systems of one path alone, pooled, where the path itself tells nothing.", "",
+            *table_lines(["", *headings], [[heading, *row] for heading, row in zip(headings, rows)]), "",
+            results.source(wanted.sweeps), ""]
+
+
 def page_text(results, page):
     lines = [f"# {results.study.title}", "", results.study.question, ""]
     if page.notes:
@@ -130,6 +144,8 @@ def page_text(results, page):
             lines += [*table_of(results, table), "", results.source(table.sweeps), ""]
         else:
             lines += ["No run of this table has verified rows.", ""]
+    if page.correlation:
+        lines += correlation_lines(results, page.correlation)
     if outcomes := [f"- {figure.title}: {figure.outcome}" for figure in results.study.figures if figure.outcome]:
         lines += ["## What the figures of the report show", "", *outcomes, ""]
     missing = [f"- {name}: {path} was missing (scripts/data)" for name, path in results.study.left_out.items()]
