@@ -25,7 +25,7 @@ struct FibonacciHash {
 };
 
 // An open-addressing table that is at most half full, so small that the vertices of a cell fit into the first-level
-// cache, where a stamp per input vertex would not. At most 2^31 keys, for each of which it has two to four slots. Hash
+// cache. At most 2^31 keys, for each of which it has two to four slots. Hash
 // gives 64 bits, the upper ones well mixed.
 template <class Key, class Hash = FibonacciHash>
 class KeyNumbers {

@@ -57,8 +57,8 @@ class RepeatFilter {
     }
   }
 
-  // Not a sum of the two products: on a regular grid that differs by the same from one triangle at a vertex to the
-  // next.
+  // A sum of the two products would differ by the same amount for the two triangles of every square of a regular grid:
+  // at some widths most of them would be of one kind.
   static std::uint64_t kind_of(const Triangle& canonical) {
     const std::uint32_t mixed = (canonical.v[1] * 0x9e37'79b9u ^ canonical.v[2] * 0x85eb'ca6bu) * 0xc2b2'ae35u;
     return std::uint64_t{1} << (mixed >> 27);

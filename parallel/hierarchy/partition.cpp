@@ -49,16 +49,15 @@ void fill_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source
 
 // The same for all cells, by stamps where they can be had.
 void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& out, Scheduler& scheduler) {
-  const std::size_t stamped = out.vertices.attributes.wedges ? 0 : VertexStamps::most_triangles;
-  VertexStamps stamps(stamped > 0 ? std::span(out.vertices.sharing) : std::span<std::uint32_t>(),
-                      scheduler.workers() == 1);
+  const bool stamped = !out.vertices.attributes.wedges;
+  VertexStamps stamps(stamped ? std::span(out.vertices.sharing) : std::span<std::uint32_t>(), scheduler.workers() == 1);
   std::vector<VertexStamps::Scratch> scratch(static_cast<std::size_t>(scheduler.workers()));
   scheduler.for_chunks(out.cells.size(), cell_grain, [&](ChunkRange range) {
     VertexStamps::Scratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     for (CellRank c(range.begin); c < range.end; ++c) {
       CellBuild& cell = out.cells[c];
       cell.triangles = std::span(out.triangles).subspan(runs.first_triangle[c], runs.triangles_of(c));
-      if (cell.triangles.size() <= stamped)
+      if (stamped && cell.triangles.size() <= VertexStamps::most_triangles)
         stamps.collect_cell(runs, c, source, s, cell);
       else
         fill_cell(runs, c, source, out, s.numbers);

@@ -1,6 +1,7 @@
 #include "parallel/hierarchy/vertex_stamps.h"
 
 #include <atomic>
+#include <cassert>
 
 #include "parallel/mesh/vertex_sharing.h"
 
@@ -26,6 +27,7 @@ void flag_shared(std::uint32_t& owner) {
 
 void VertexStamps::collect_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source, Scratch& s,
                                 CellBuild& cell) {
+  assert(cell.triangles.size() <= most_triangles);
   s.numbers.clear(cell.triangles.size() / 8);
   s.foreign.clear();
   if (s.ids.size() < 3 * cell.triangles.size()) s.ids.resize(3 * cell.triangles.size());
@@ -67,8 +69,8 @@ std::uint32_t VertexStamps::number_corners(std::span<const Triangle> triangles, 
   return count;
 }
 
-// The id of a vertex that another cell has claimed: `count` if it is new. It comes seldom; in line it would take the
-// registers of what comes often.
+// The id of a vertex that another cell has claimed: `count` if it is new. Rare; inlined, it would take
+// registers from the frequent path.
 [[gnu::noinline]] std::uint32_t VertexStamps::number_foreign(std::uint32_t v, std::uint32_t count, Scratch& s) {
   flag_shared(sharing_[v]);
   const std::uint32_t number = s.numbers.number(v);

@@ -2,7 +2,8 @@
 // that only vertices that another cell has claimed, those of borders, are searched for.
 //
 // Which of several cells a vertex belongs to depends on the schedule, the ids do not: they are given in order of
-// appearance. A table of all vertices of a cell took a third more time (docs/decisions/0064-build-second-round.md).
+// appearance. One worker takes three quarters of the time of a table of all vertices of a cell
+// (docs/decisions/0064-build-second-round.md).
 #pragma once
 
 #include <cstddef>
@@ -27,11 +28,12 @@ class VertexStamps {
     std::vector<std::uint32_t> ids;
   };
 
-  // `sharing` as claim_vertex has it, by vertex; `alone`: only one worker claims.
+  // `sharing` as claim_vertex has it, by vertex, unowned at first; `alone`: only one worker claims.
   VertexStamps(std::span<std::uint32_t> sharing, bool alone)
       : sharing_(sharing), id_(std::make_unique_for_overwrite<std::uint16_t[]>(sharing.size())), alone_(alone) {}
 
-  // As the function collect_cell with the room cell.triangles; claims the vertices, too.
+  // As the function collect_cell with the room cell.triangles, at most most_triangles; claims the vertices, too. Once
+  // for each cell, since its own claims tell it what it has numbered.
   void collect_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source, Scratch& scratch,
                     CellBuild& cell);
 

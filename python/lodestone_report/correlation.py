@@ -4,6 +4,8 @@ import math
 
 from .values import is_number
 
+FEWEST = 3
+
 
 def ranks(values):
     """1 for the smallest; equal values share the mean of their ranks."""
@@ -26,29 +28,29 @@ def centred(values):
 
 
 def rank_correlation(groups):
-    """Of pairs (x, y) in groups, each ranked by itself: -1 to 1; None where one side has no differences."""
+    """Of pairs (x, y) in groups, none empty, each ranked by itself: -1 to 1; None where one side has no differences."""
     xs, ys = [], []
     for pairs in groups:
-        if len(pairs) > 1:
-            xs += centred(ranks([x for x, _ in pairs]))
-            ys += centred(ranks([y for _, y in pairs]))
+        xs += centred(ranks([x for x, _ in pairs]))
+        ys += centred(ranks([y for _, y in pairs]))
     size = math.sqrt(sum(x * x for x in xs) * sum(y * y for y in ys))
     return sum(x * y for x, y in zip(xs, ys)) / size if size > 0 else None
 
 
 def pairs_of(settings, a, b):
-    return [(s.value(a), s.value(b)) for s in settings if is_number(s.value(a)) and is_number(s.value(b))]
+    pairs = [(s.value(a), s.value(b)) for s in settings if is_number(s.value(a)) and is_number(s.value(b))]
+    return [pair for pair in pairs if all(map(math.isfinite, pair))]
 
 
 def matrix(settings, columns, path_of):
     """Texts, a row for each column: above the diagonal over all settings, below it among those of one path, each as
-    "correlation (pairs)"."""
+    "correlation (pairs)". Groups of fewer than FEWEST pairs are left out: two always agree or disagree wholly."""
     paths = {}
     for setting in settings:
         paths.setdefault(path_of(setting), []).append(setting)
 
     def text(groups):
-        groups = [pairs for pairs in groups if len(pairs) > 2]
+        groups = [pairs for pairs in groups if len(pairs) >= FEWEST]
         correlation = rank_correlation(groups)
         return "" if correlation is None else f"{correlation:.2f} ({sum(map(len, groups))})"
 

@@ -5,11 +5,10 @@ have the same cheapest way, and in how far the costs of the others lie apart.
 """
 
 import math
-from collections import Counter
 from dataclasses import dataclass
 
 from .fronts import cheapest_within, error_limits
-from .text import counted, value_text
+from .text import counted, short_number, span, value_text
 from .values import is_number
 
 MB = 1e6
@@ -38,7 +37,7 @@ PEAK, FRAME = ("peak MB", "peak_bytes", MB), ("ms a frame", "frame_ms", 1)
 
 PARTS = [
     Part("A level of a model", "accuracy", ("families",), RMS, {"family": "{}"}, (CPU, TRIANGLES),
-         "`hlod` and `progressive` make all levels in the seconds that stand here."),
+         "`hlod` and `progressive` make all levels in the time given."),
     Part("A hierarchy: the level two above the finest", "accuracy", ("simplifiers", "optimal"), RMS,
          {"simplifier": "{}", "placement": "{}", "sigma0": "sigma0 {}"},
          (CPU, ("triangles", "level_triangles", 1), ("file MB", "file_bytes", MB), PEAK)),
@@ -58,23 +57,13 @@ PARTS = [
 ]
 
 
-def number(value):
-    """Three digits: these are answers to compare, not rows to compute with."""
-    if value == 0 or not math.isfinite(value):
-        return value_text(value)
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-
-
-def span(values):
-    least, most = number(min(values)), number(max(values))
-    return least if least == most else f"{least} to {most}"
-
-
 def places_of(settings):
-    """The settings by what accuracy is asked for on: a model, and a camera where there are several."""
+    """The settings by what accuracy is asked for on: a model, and a camera where there are several, whose path a sweep may
+    sample in its own way."""
     places = {}
     for setting in settings:
-        places.setdefault((setting.value("data"), setting.value("camera")), []).append(setting)
+        camera = setting.value("camera")
+        places.setdefault((setting.value("data"), camera, camera and setting.value("sweep")), []).append(setting)
     return list(places.values())
 
 
@@ -105,19 +94,27 @@ def cheapest(part, settings, column, limit):
     found = cheapest_within(points_of(part, settings, column), limit, ranges)
     if not found:
         return None
-    return settings[found[0]].value(column), sorted({way_text(part, settings[i]) for i in found})
+    return settings[found[0]].value(column), list(dict.fromkeys(way_text(part, settings[i]) for i in found))
+
+
+def shown(texts, between):
+    """The first of them, and how many there are besides."""
+    more = f" and {counted(len(texts) - SHOWN_WAYS, 'other')}" if len(texts) > SHOWN_WAYS else ""
+    return between.join(texts[:SHOWN_WAYS]) + more
 
 
 def answer(part, places, cost, limit):
-    """ "0.02 to 0.05: hlod on 3, progressive on 1"; the number of places is left out where there is one way."""
+    """ "0.02 to 0.05: hlod on 3; progressive on 1"; the number of places is left out where there is one way."""
     _, column, divisor = cost
     found = [best for settings in places if (best := cheapest(part, settings, column, limit))]
     if not found:
         return ""
-    ways = Counter(" or ".join(ways[:SHOWN_WAYS]) for _, ways in found)
-    texts = [f"{way} on {count}" if len(ways) > 1 else way for way, count in ways.most_common()]
-    more = f" and {counted(len(texts) - SHOWN_WAYS, 'other')}" if len(texts) > SHOWN_WAYS else ""
-    return f"{span([value / divisor for value, _ in found])}: {'; '.join(texts[:SHOWN_WAYS])}{more}"
+    ways = {}  # those that are tied, in any order: as they are first met, and how often
+    for _, tied in found:
+        ways.setdefault(frozenset(tied), [tied, 0])[1] += 1
+    texts = [shown(tied, " or ") + (f" on {count}" if len(ways) > 1 else "")
+             for tied, count in sorted(ways.values(), key=lambda way: -way[1])]
+    return f"{span([value / divisor for value, _ in found])}: {shown(texts, '; ')}"
 
 
 def part_rows(part, settings):
@@ -126,7 +123,7 @@ def part_rows(part, settings):
     rows = []
     for limit in asked(part, places):
         reached = sum(any(error <= limit for _, error in points_of(part, here, part.costs[0][1])) for here in places)
-        rows.append([number(limit), f"{reached} of {len(places)}", *(answer(part, places, cost, limit) for cost in part.costs)])
+        rows.append([short_number(limit), f"{reached} of {len(places)}", *(answer(part, places, cost, limit) for cost in part.costs)])
     return rows
 
 

@@ -8,20 +8,13 @@ import pathlib
 from . import costs, correlation
 from .reading import load
 from .result_tables import PAGES
+from .text import short_number, span
 from .values import is_number
 
 STUDIES = [page.study for page in PAGES]
 
 
 # ---- values
-
-
-def number(value, divisor=1):
-    """1234567 -> "1,234,567", 0.012345 -> "0.0123" """
-    value = value / divisor
-    if float(value).is_integer() and abs(value) >= 1000:
-        return f"{int(value):,}"
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
 def cell_text(cell, divisor=1):
@@ -32,7 +25,7 @@ def cell_text(cell, divisor=1):
         return "yes" if cell.value else "no"
     if not cell.is_number:
         return str(cell.value)
-    median, least, most = (number(value, divisor) for value in (cell.value, cell.least, cell.most))
+    median, least, most = (short_number(value / divisor) for value in (cell.value, cell.least, cell.most))
     dash = " to " if cell.least < 0 else "-"
     return median if median == least == most else f"{median} ({least}{dash}{most})"
 
@@ -125,7 +118,8 @@ def correlation_lines(results, wanted):
     if not any(any(row) for row in rows):
         return []
     return [f"## {wanted.title}", "", "Rank correlations (spearman1904) and numbers of pairs: above the diagonal over all "
-            "settings, below it among the systems of one path alone, pooled, where the path itself tells nothing.", "",
+            "settings, below it among the systems of one path alone, pooled, where the path itself tells nothing; paths of "
+            "fewer than three systems are left out there.", "",
             *table_lines(["", *headings], [[heading, *row] for heading, row in zip(headings, rows)]), "",
             results.source(wanted.sweeps), ""]
 
@@ -175,7 +169,7 @@ def cost_text(studies):
         return ""
     return "\n".join(["# What accuracy costs", "", COST_QUESTION, "",
                       "Each cell has the least cost, from the model on which it is least to the one on which it is most, and the "
-                      "setting that has it; where models or cameras differ in that, on how many of them. `or` stands between "
+                      "setting that has it; where models or cameras differ in that, on how many of them. `or` separates "
                       "settings whose repetitions overlap. The settings are those of the studies' sweeps: a finer grid of them "
                       "may have a cheaper one.", "", *lines])
 
@@ -183,15 +177,9 @@ def cost_text(studies):
 # ---- the first page
 
 
-def span(values):
-    """ "1.2 to 3.4", or the one value that there is."""
-    least, most = number(min(values)), number(max(values))
-    return least if least == most else f"{least} to {most}"
-
-
 def largest(*sweeps, of, **where):
     """A function of Results: the largest value of a column, "" without any."""
-    return lambda r: number(max(values)) if (values := r.values(sweeps, of, **where)) else ""
+    return lambda r: short_number(max(values)) if (values := r.values(sweeps, of, **where)) else ""
 
 
 def spread(*sweeps, of, **where):
@@ -222,7 +210,7 @@ def least_closed(results):
     tried = results.find(["border"], camera="adversarial")
     cracked = [s.value("kappa0_over_rho") for s in tried if s.value("open_edges")]
     closed = [s.value("kappa0_over_rho") for s in tried if s.value("kappa0_over_rho") > max(cracked, default=0)]
-    return number(min(closed)) if closed else ""
+    return short_number(min(closed)) if closed else ""
 
 
 def quotient(above, below):
@@ -266,7 +254,7 @@ HEADLINES = [  # study, figure, and the function of its Results that gives the v
     ("rendering", "CPU time of gl beside soft",
      beside("tolerance", of="frame_cpu_ms", over={"backend": "soft"}, backend="gl")),
     ("rendering", "distance on the screen over the tolerance, at most",
-     derived("screen", value=quotient("screen_error", "pixel_error"), show=lambda values: number(max(values)))),
+     derived("screen", value=quotient("screen_error", "pixel_error"), show=lambda values: short_number(max(values)))),
     ("effects", "saved by planning on soft, % of a frame with everything",
      derived("soft", value=lambda s: -100 * quotient("gain_ms", "frame_ms")(s), effects="everything")),
     *(("scaling", f"efficiency of two workers, {task}, %", spread("strong", of="efficiency", task=task, workers=2))

@@ -16,6 +16,19 @@ def number_text(value):
     return ("-" if value < 0 else "") + f"{math.floor(size + 0.5):,}"
 
 
+def short_number(value):
+    """1234567 -> "1,234,567", 0.012345 -> "0.0123": three digits, but whole numbers keep theirs."""
+    if float(value).is_integer() and abs(value) >= 1000:
+        return f"{int(value):,}"
+    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
+
+
+def span(values):
+    """ "1.2 to 3.4", or the one value that there is."""
+    least, most = short_number(min(values)), short_number(max(values))
+    return least if least == most else f"{least} to {most}"
+
+
 def value_text(value):
     """number_text of numbers; texts as they are, "yes" and "no", and a dash for null."""
     if value is None:

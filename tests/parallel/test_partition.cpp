@@ -11,6 +11,7 @@
 #include "core/hierarchy/model/fingerprint.h"
 #include "parallel/hierarchy/finest_level.h"
 #include "parallel/hierarchy/partition.h"
+#include "parallel/hierarchy/vertex_stamps.h"
 #include "tests/test_bytes.h"
 #include "tests/test_meshes.h"
 
@@ -39,10 +40,24 @@ IndexedMesh shuffled(IndexedMesh mesh) {
 
 IndexedMesh one_triangle() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}, {{{0, 1, 2}}}, {}}; }
 
-// Most of it lies in one cell of the second level, which has more triangles than stamps can number.
-IndexedMesh moved_into_an_octant() {
+// Many cells, of which the one at the origin has more triangles than stamps can number.
+IndexedMesh crowded_at_the_origin() {
   IndexedMesh mesh = test::sphere_mesh(7);
-  for (Vec3f& p : mesh.positions) p = {0.55f * p.x, 0.55f * p.y, 0.55f * p.z};
+  const auto eighth_power = [](float x) { return std::pow(x, 8.0f); };
+  for (Vec3f& p : mesh.positions) p = {eighth_power(p.x), eighth_power(p.y), eighth_power(p.z)};
+  return mesh;
+}
+
+// Triangles apart from one another, all in the first cell, as many as stamps can number and `more`; and one elsewhere.
+IndexedMesh apart(std::size_t more) {
+  IndexedMesh mesh;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(0, 0.4f);
+  for (std::uint32_t t = 0; t <= VertexStamps::most_triangles + more; ++t) {
+    const Vec3f p = t == 0 ? Vec3f{0.7f, 0.7f, 0.7f} : Vec3f{place(random), place(random), place(random)};
+    for (const Vec3f& q : {p, p + Vec3f{0.01f, 0, 0}, p + Vec3f{0, 0.01f, 0}}) mesh.positions.push_back(q);
+    mesh.triangles.push_back({{3 * t, 3 * t + 1, 3 * t + 2}});
+  }
   return mesh;
 }
 
@@ -51,8 +66,10 @@ const Case cases[] = {
     {"RootAlone", [] { return test::sphere_mesh(4); }, 0},
     {"Sphere", [] { return test::sphere_mesh(7); }, 4},  // more than one chunk
     {"Shuffled", [] { return shuffled(test::sphere_mesh(7)); }, 4},
-    {"LargeCellBesideSmall", moved_into_an_octant, 1},
-    {"ManyCells", [] { return test::sphere_mesh(7); }, max_level},  // a cell or more for every triangle
+    {"LargeCellBesideSmall", crowded_at_the_origin, 4},
+    {"AsManyAsStampsNumber", [] { return apart(0); }, 1},
+    {"OneMoreThanStampsNumber", [] { return apart(1); }, 1},
+    {"ManyCells", [] { return test::sphere_mesh(6); }, max_level},  // a cell or more for every triangle
     {"Torus", [] { return test::torus_mesh(40, 20); }, 2},
 };
 

@@ -40,6 +40,14 @@ class Costs(unittest.TestCase):
         rows = part_rows(PART, [setting("bunny", "ours", 0.1, 1.0, 1.0, spread=0.3), setting("bunny", "theirs", 0.1, 1.2, 2.0, spread=0.3)])
         self.assertEqual(rows[0][2:], ["1: ours or theirs", "0.001: ours"])
 
+    def test_ways_beyond_three_that_are_tied_are_counted_and_the_cheapest_comes_first(self):
+        rows = part_rows(PART, [setting("bunny", f"way {k}", 0.1, 1.0 + k / 10, 1.0, spread=0.5) for k in reversed(range(5))])
+        self.assertEqual(rows[0][2], "1: way 0 or way 1 or way 2 and 2 others")
+
+    def test_sweeps_may_sample_a_path_in_their_own_way(self):
+        rows = part_rows(PART, [setting("bunny", "ours", 0.1, 1.0, 1.0, camera="orbit", sweep=sweep) for sweep in "ab"])
+        self.assertEqual(rows[0][1], "2 of 2")
+
     def test_ways_say_what_their_numbers_are(self):
         rows = part_rows(PART, [setting("bunny", "ours", 0.1, 1.0, 1.0, sigma0=0.2)])
         self.assertEqual(rows[0][2], "1: ours, sigma0 0.2")

@@ -61,7 +61,7 @@ inline Float8 abs(Float8 a) { return reinterpret_cast<Float8>(reinterpret_cast<I
 inline Float8 sqrt(Float8 a) { return _mm256_sqrt_ps(a); }
 inline unsigned bits(Int8 mask) { return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask))); }
 inline Float8 select(unsigned bits, Float8 yes, Float8 no) {
-#if defined(__AVX512VL__)
+#if defined(LODESTONE_AVX512)
   return _mm256_mask_blend_ps(static_cast<__mmask8>(bits), no, yes);
 #else
   const Int8 lane_bit{1, 2, 4, 8, 16, 32, 64, 128};

@@ -1,5 +1,7 @@
-// The quadric kernel for processors with AVX-512 and its byte and word lanes. Only this file is compiled for them.
-#if defined(__AVX512VL__) && defined(__AVX512BW__) && defined(__AVX512VBMI2__)
+// The quadric kernel for processors with AVX-512. Only this file is compiled for them.
+#include "core/base/instruction_set.h"
+
+#if defined(LODESTONE_AVX512)
 #include "core/simplify/quadric/quadric_kernel.h"
 
 const lodestone::quadric::BlockKernel lodestone::quadric::avx512_kernel = avx512::simplify_block;

@@ -95,7 +95,7 @@ struct Id16 {
   [[nodiscard]] __m256i equal(Id id) const {
     return _mm256_cmpeq_epi16(lanes, _mm256_set1_epi16(static_cast<short>(id)));
   }
-#if defined(__AVX512VL__)
+#if defined(LODESTONE_AVX512)
   [[nodiscard]] __mmask16 lanes_with(Id id) const {
     return _mm256_cmpeq_epi16_mask(lanes, _mm256_set1_epi16(static_cast<short>(id)));
   }

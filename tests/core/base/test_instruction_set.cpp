@@ -1,7 +1,7 @@
 // The choice among builds of a kernel.
-#include "core/base/instruction_set.h"
-
 #include <gtest/gtest.h>
+
+#include "core/base/instruction_set.h"
 
 namespace lodestone {
 namespace {
@@ -25,7 +25,10 @@ TEST(InstructionSets, BestIsTheLastThatIsAvailable) {
 
 TEST(InstructionSets, KernelsWithoutABuildForAvx512DoWithAvx2) {
   if (!is_available(InstructionSet::avx512)) GTEST_SKIP() << "no AVX-512 here";
-  EXPECT_EQ(choose_kernel(InstructionSet::avx512, 1, 2), 2);
+  for (const InstructionSet set : {InstructionSet::best, InstructionSet::avx512}) {
+    EXPECT_EQ(choose_kernel(set, 1, 2), 2);
+    EXPECT_EQ(choose_kernel(set, 1, 2, 0), 2) << "the compiler made none";
+  }
 }
 
 }  // namespace
