@@ -8,19 +8,12 @@
 namespace lodestone {
 namespace {
 
-constexpr auto relaxed = std::memory_order_relaxed;
-
-// Claims a vertex that seemed to be unowned; false if another cell was faster.
+// As take_vertex; one worker alone needs no atomic operation.
 template <bool alone>
 bool take(std::uint32_t& owner, CellRank rank) {
-  if constexpr (alone) return owner = rank, true;
-  std::uint32_t expected = unowned;
-  return std::atomic_ref(owner).compare_exchange_strong(expected, rank, relaxed);
-}
-
-void flag_shared(std::uint32_t& owner) {
-  const std::atomic_ref word(owner);
-  if (!(word.load(relaxed) & FinestVertices::shared_flag)) word.fetch_or(FinestVertices::shared_flag, relaxed);
+  if constexpr (!alone) return take_vertex(owner, rank);
+  owner = rank;
+  return true;
 }
 
 }  // namespace
@@ -51,7 +44,7 @@ std::uint32_t VertexStamps::number_corners(std::span<const Triangle> triangles, 
   for (const Triangle corners : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = corners.v[k];
-      const std::uint32_t owner = std::atomic_ref(sharing[v]).load(relaxed);
+      const std::uint32_t owner = std::atomic_ref(sharing[v]).load(std::memory_order_relaxed);
       std::uint32_t n = count;
       if ((owner & ~FinestVertices::shared_flag) == rank) {
         n = id[v];
@@ -69,8 +62,8 @@ std::uint32_t VertexStamps::number_corners(std::span<const Triangle> triangles, 
   return count;
 }
 
-// The id of a vertex that another cell has claimed: `count` if it is new. Rare; inlined, it would take
-// registers from the frequent path.
+// The id of a vertex that another cell has claimed: `count` if it is new. Rare; inlined, it would take registers from
+// the frequent path.
 [[gnu::noinline]] std::uint32_t VertexStamps::number_foreign(std::uint32_t v, std::uint32_t count, Scratch& s) {
   flag_shared(sharing_[v]);
   const std::uint32_t number = s.numbers.number(v);

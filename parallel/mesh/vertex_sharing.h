@@ -13,15 +13,24 @@ namespace lodestone {
 
 inline constexpr std::uint32_t unowned = 0x7fff'ffffu;  // the word of a vertex before any claim
 
-// Remembers the first cell that claims a vertex, flags the vertex when another one does; cells are any distinct numbers
-// below `unowned`. The flag does not depend on which came first.
-inline void claim_vertex(std::uint32_t& owner, std::uint32_t cell) {
+// A cell is any number below `unowned`. False if another one was faster to take the vertex, which seemed to be unowned.
+inline bool take_vertex(std::uint32_t& owner, std::uint32_t cell) {
+  std::uint32_t expected = unowned;
+  return std::atomic_ref(owner).compare_exchange_strong(expected, cell, std::memory_order_relaxed);
+}
+
+inline void flag_shared(std::uint32_t& owner) {
   const std::atomic_ref word(owner);
-  std::uint32_t old = word.load(std::memory_order_relaxed);
-  while (old != cell && !(old & FinestVertices::shared_flag)) {
-    const std::uint32_t claimed = old == unowned ? cell : old | FinestVertices::shared_flag;
-    if (word.compare_exchange_weak(old, claimed, std::memory_order_relaxed)) return;
-  }
+  if (!(word.load(std::memory_order_relaxed) & FinestVertices::shared_flag))
+    word.fetch_or(FinestVertices::shared_flag, std::memory_order_relaxed);
+}
+
+// Remembers the first cell that claims a vertex, flags the vertex when another one does. The flag does not depend on
+// which came first.
+inline void claim_vertex(std::uint32_t& owner, std::uint32_t cell) {
+  const std::uint32_t old = std::atomic_ref(owner).load(std::memory_order_relaxed);
+  if ((old & ~FinestVertices::shared_flag) == cell || (old == unowned && take_vertex(owner, cell))) return;
+  flag_shared(owner);
 }
 
 // Replaces the owners of shared vertices by consecutive indices in vertex order; returns their number.
