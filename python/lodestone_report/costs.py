@@ -74,8 +74,10 @@ def way_text(part, setting):
 
 
 def points_of(part, settings, column):
-    return [(setting.value(column) if is_number(setting.value(column)) else math.nan,
-             setting.value(part.error[1]) if is_number(setting.value(part.error[1])) else math.nan) for setting in settings]
+    def number(value):
+        return value if is_number(value) else math.nan
+
+    return [(number(setting.value(column)), number(setting.value(part.error[1]))) for setting in settings]
 
 
 def asked(part, places):
