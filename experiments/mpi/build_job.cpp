@@ -27,7 +27,7 @@ struct JobOptions {
   std::optional<int> levels, lattice_bits;
   std::string simplifier = BuildConfig{}.simplifier;
   std::optional<std::string> placement;
-  bool no_attributes = false;
+  bool half_levels = false, no_attributes = false;
   double timeout = 600;
 };
 
@@ -46,6 +46,7 @@ DistributedConfig config_of(const JobOptions& options) {
   config.build.sigma0 = options.sigma0;
   config.build.cell_triangles = options.cell_triangles;
   config.build.finest_level = options.levels.value_or(-1);
+  config.build.half_levels = options.half_levels;
   config.build.simplifier = options.simplifier;
   if (options.placement) config.build.placement = placement_named(*options.placement);
   config.output = options.output;
@@ -188,6 +189,7 @@ OptionTable declare(JobOptions& o) {
       {"--sigma0", &o.sigma0, "As for lodestone build, like the options below"},
       OptionSpec{"--cell-triangles", &o.cell_triangles, "Mean triangles per occupied finest cell"}.between(1, 1e9),
       OptionSpec{"--levels", &o.levels, "Finest level L instead (the root is level 0)"}.between(0, max_level),
+      {"--half-levels", &o.half_levels, "Levels of a half of the triangles instead of a quarter"},
       OptionSpec{"--lattice", &o.lattice_bits, "Put the vertices on multiples of 2^-BITS of the longest extent"}
           .between(1, Lattice::most_bits)
           .of_type("BITS"),

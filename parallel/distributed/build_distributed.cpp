@@ -22,7 +22,6 @@ void check(const MeshStream& stream, const DistributedConfig& config) {
                                     "has attributes of vertices, which several ranks do not build: wedges of a vertex "
                                     "would have to be welded across them",
                                     "leave them out (--no-attributes), or use lodestone build"));
-  if (config.build.half_levels) throw UnsupportedError("half levels are built by one process alone");
   if (stream.vertex_count() >= FinestVertices::shared_flag)
     throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
   if (stream.triangle_count() >= 0xffff'ffffu)
@@ -106,7 +105,7 @@ DistributedResult build_distributed(const MeshStream& stream, const DistributedC
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
-    return make_rank_finest(std::move(routed), choice.level, config.build.sigma0, ranks, scheduler);
+    return make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
   });
   head.provenance.fingerprint = ranks.sum(finest.fingerprint);
   const std::vector<CellPart> levels = stages.run("building", [&] {

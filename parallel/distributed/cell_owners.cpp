@@ -6,7 +6,8 @@
 
 namespace lodestone {
 
-CellOwners::CellOwners(int finest, std::vector<CellCode> sample, int ranks) : finest_(finest) {
+CellOwners::CellOwners(int finest, std::vector<CellCode> sample, int ranks, LevelGrids grids)
+    : finest_(finest), grids_(grids) {
   std::vector<std::uint64_t> keys;
   keys.reserve(sample.size());
   for (const CellCode cell : sample) keys.push_back(key(cell, finest));
@@ -23,7 +24,8 @@ int CellOwners::owner(CellCode cell, int level) const {
 // The Morton code of the block of the finest level in the middle of the cell's block.
 std::uint64_t CellOwners::key(CellCode cell, int level) const {
   if (level == 0) return 0;
-  return CellCode::from(block_of_parent(cell.parent().coord())).morton << (3 * (finest_ - level));
+  const CellCoord block = block_of_parent(grids_.parent(cell, level).coord(), grids_.keeps_cells(level));
+  return CellCode::from(block).morton << (3 * (grids_.of(finest_) - grids_.of(level)));
 }
 
 }  // namespace lodestone

@@ -15,7 +15,7 @@ namespace lodestone {
 class CellOwners {
  public:
   // `sample`: cells of the finest level, as many of each as it should count for, in any order.
-  CellOwners(int finest, std::vector<CellCode> sample, int ranks);
+  CellOwners(int finest, std::vector<CellCode> sample, int ranks, LevelGrids grids = {});
 
   // The rank that runs the block to which a cell of this level belongs, and keeps the cell. At the root: of the one
   // cell.
@@ -25,6 +25,7 @@ class CellOwners {
   [[nodiscard]] std::uint64_t key(CellCode cell, int level) const;
 
   int finest_;
+  LevelGrids grids_;
   std::vector<std::uint64_t> first_;  // keys: by rank but the first
 };
 

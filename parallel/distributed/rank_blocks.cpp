@@ -27,7 +27,7 @@ class OneLevel final : public CellStorage {
 // Runs the rank's blocks of a level: completes its cells, and returns the coarser ones.
 CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Scheduler& scheduler) {
   if (part.codes.empty()) return {};
-  const BlockPlan plan = plan_blocks(part.codes, level);
+  const BlockPlan plan = plan_blocks(part.codes, level, grids_of(setting.config));
   const auto l = static_cast<std::size_t>(level);
   std::vector<std::vector<CellBuild>> cells(l + 1);
   cells[l] = std::move(part.cells);

@@ -49,10 +49,10 @@ void join_sums(std::span<const SharedItem> own, const Slices& vertices, Ranks& r
 
 }  // namespace
 
-RankFinest make_rank_finest(RoutedMesh&& given, int level, float sigma0, Ranks& ranks, Scheduler& scheduler) {
+RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& ranks, Scheduler& scheduler) {
   RoutedMesh routed = std::move(given);
   const Lattice lattice = routed.mesh.transform.lattice;
-  Partition partition = partition_mesh(std::move(routed.mesh), level, scheduler);
+  Partition partition = partition_mesh(std::move(routed.mesh), grid, scheduler);
   RankFinest out;
   out.fingerprint = partition.fingerprint;
   out.part.codes = partition.codes;
@@ -78,7 +78,7 @@ RankFinest make_rank_finest(RoutedMesh&& given, int level, float sigma0, Ranks& 
   };
 
   out.triangles = std::move(partition.triangles);
-  out.part.cells = make_finest_cells(std::move(partition), level, sigma0, scheduler, join);
+  out.part.cells = make_finest_cells(std::move(partition), grid, sigma0, scheduler, join);
   constexpr std::size_t cell_grain = 16;
   scheduler.for_chunks(out.part.cells.size(), cell_grain, [&](ChunkRange range) {
     for (std::size_t c = range.begin; c < range.end; ++c) {

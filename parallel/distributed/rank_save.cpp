@@ -73,7 +73,7 @@ class Tables {
     std::vector<CellCode> codes;
     for (const Entry& entry : order)
       if (entry.record->level == finest) codes.push_back(entry.record->code);
-    const BlockPlan plan = plan_blocks(codes, static_cast<int>(finest));
+    const BlockPlan plan = plan_blocks(codes, static_cast<int>(finest), head.grids);
     std::size_t first = 0;
     for (std::size_t l = 0; l <= finest; ++l) {
       append_level(

@@ -4,6 +4,7 @@
 #include <deque>
 #include <utility>
 
+#include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/partition.h"
 
 namespace lodestone {
@@ -25,10 +26,10 @@ class PieceMesh {
     count_ = triangles.size();
   }
   [[nodiscard]] std::size_t size() const { return count_; }
-  [[nodiscard]] CellCode cell(std::size_t triangle, int level) const {
+  [[nodiscard]] CellCode cell(std::size_t triangle, int grid) const {
     const auto& v = corners_.of(triangle).v;
     return CellCode::from(
-        cell_of(barycentre(answers_[v[0]].position, answers_[v[1]].position, answers_[v[2]].position), level));
+        cell_of(barycentre(answers_[v[0]].position, answers_[v[1]].position, answers_[v[2]].position), grid));
   }
   [[nodiscard]] Triangle numbers(std::size_t triangle) const {
     const auto& v = corners_.of(triangle).v;
@@ -98,7 +99,7 @@ std::vector<Triangle> exchange_triangles(const MeshStream& stream, const CleanSl
     const PieceMesh piece(std::move(triangles), clean, ranks);
     ByRank<Triangle> out = by_rank<Triangle>(ranks);
     for (std::size_t t = 0; t < piece.size(); ++t) {
-      const int owner = finest.owners.owner(piece.cell(t, finest.level), finest.level);
+      const int owner = finest.owners.owner(piece.cell(t, finest.grid), finest.level);
       out[static_cast<std::size_t>(owner)].push_back(piece.numbers(t));
     }
     ByRank<Triangle> in = ranks.exchange(out);
@@ -121,10 +122,13 @@ std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
 
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
   std::vector<CellCode> sample = sample_cells(stream, clean, ranks);
-  const int level = config.finest_level < 0 ? finest_level_of(sample, clean.triangles_left, config.cell_triangles)
+  const LevelGrids grids = grids_of(config);
+  const int level = config.finest_level < 0 ? grids.finest_level(finest_level_of(sample, clean.triangles_left,
+                                                                                 config.cell_triangles))
                                             : config.finest_level;
-  for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - level);
-  return {level, CellOwners(level, std::move(sample), ranks.count())};
+  const int grid = grids.of(level);
+  for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - grid);
+  return {level, grid, CellOwners(level, std::move(sample), ranks.count(), grids)};
 }
 
 RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const FinestChoice& finest, Ranks& ranks) {

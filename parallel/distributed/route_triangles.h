@@ -13,7 +13,7 @@
 namespace lodestone {
 
 struct FinestChoice {
-  int level = 0;
+  int level = 0, grid = 0;  // its cells lie in the grid
   CellOwners owners;
 };
 

@@ -49,6 +49,13 @@ TEST_F(Distributed, TakesFewTriangles) {
   expect_same(mesh(sphere(1)));
 }
 
+TEST_F(Distributed, BuildsHalfLevels) {
+  config_.build.half_levels = true;
+  expect_same(mesh(sphere(5)));
+  config_.build.finest_level = 3;  // the coarser level of its grid
+  expect_same(mesh(sphere(4)));
+}
+
 TEST_F(Distributed, PutsVerticesOnALattice) {
   config_.lattice = {12};
   expect_same(mesh(sphere(4)));
@@ -89,9 +96,6 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
   config_.build.order_cells = true;
   expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"compressed"});
   config_.build.order_cells = false;
-  config_.build.half_levels = true;
-  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"half levels"});
-  config_.build.half_levels = false;
   const fs::path coloured = test_folder_.write(
       "c.ply",
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
