@@ -91,6 +91,13 @@ void append_mesh(RawMesh& mesh, RawMesh&& part, const std::string& name) {
   mesh.filled_posts += part.filled_posts;
 }
 
+Box3d finite_box(std::span<const Vec3d> positions) {
+  Box3d box;
+  for (const Vec3d p : positions)
+    if (is_finite(p)) box.extend(p);
+  return box;
+}
+
 void transform_mesh(RawMesh& mesh, const Affine3d& map) {
   if (map == Affine3d{}) return;
   for (Vec3d& position : mesh.positions) position = map.point(position);

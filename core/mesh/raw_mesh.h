@@ -1,6 +1,8 @@
 // Joins raw meshes: the parts of a scene, the tiles of a set.
 #pragma once
 
+#include <span>
+
 #include "core/math/affine.h"
 #include "core/mesh/indexed_mesh.h"
 
@@ -11,6 +13,9 @@ namespace lodestone {
 // become one. The materials of a part that brings none of its own are those of `mesh`. Throws ResourceError, naming
 // `name`, for more vertices or wedges than 32-bit ids reach.
 void append_mesh(RawMesh& mesh, RawMesh&& part, const std::string& name);
+
+// The box of those that are finite.
+[[nodiscard]] Box3d finite_box(std::span<const Vec3d> positions);
 
 // Maps positions and normals; triangles of a mirrored mesh are reversed, so that the outside is kept.
 void transform_mesh(RawMesh& mesh, const Affine3d& map);

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   config.progress = [](const ModelProgress& now) {
     std::fprintf(stderr, "\r%-20s %3.0f %%", now.step.c_str(), 100 * now.share);
   };
-  const ModelSource source = open_model_source(argv[1], {}, config.memory_limit, scheduler->workers());
+  const ModelSource source = open_model_source({argv[1]}, {}, config.memory_limit, scheduler->workers());
   const bool on_disk = source.stream != nullptr;
   const ModelResult result = build_model(source, config, *scheduler);
   std::printf("\n%llu triangles, %d levels, built %s\n",

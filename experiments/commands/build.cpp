@@ -15,7 +15,8 @@ namespace lodestone {
 namespace {
 
 struct BuildOptions {
-  std::string input, output, scratch, trace;
+  std::vector<std::string> inputs;
+  std::string output, scratch, trace;
   InputOptions reading;
   Bytes memory_limit;
   float sigma0 = BuildConfig{}.sigma0;
@@ -45,9 +46,9 @@ BuildConfig build_config(const BuildOptions& options) {
 
 BuildJob job_of(const BuildOptions& options) {
   BuildJob job;
-  job.input = options.input;
+  job.inputs.assign(options.inputs.begin(), options.inputs.end());
   job.output = options.output;
-  job.reading = read_config(options.reading, {options.input});
+  job.reading = read_config(options.reading, options.inputs);
   job.reading.attributes = !options.no_attributes;
   job.build = build_config(options);
   job.lattice = {options.lattice_bits.value_or(options.compress ? Lattice::automatic : 0)};
@@ -85,7 +86,7 @@ Json to_json(const BuildResult& result, const Row& row, const BuildOptions& opti
   Json stages;
   for (const auto& [name, time] : result.stages) stages[name] = to_json(time);
   Json json = without_nulls(row);
-  json.update({{"input", options.input},
+  json.update({{"inputs", options.inputs},
                {"level_table", level_table(hierarchy)},
                {"compressed", options.compress},
                {"lattice_bits", lattice.bits},
@@ -145,7 +146,7 @@ void print(const BuildResult& result, const Row& row, const BuildOptions& option
 void run(const BuildOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
-  check_files(common, {{"IN", options.input}}, outputs);
+  check_files(common, file_arguments("IN", options.inputs), outputs);
   BuildJob job = job_of(options);
   auto scheduler = make_scheduler(common);
   if (!options.trace.empty()) {
@@ -164,7 +165,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
 
 OptionTable declare(BuildOptions& o) {
   return with_input_options(
-      {OptionSpec{"IN", &o.input, std::string("Mesh: ") + mesh_formats}.must(),
+      {OptionSpec{"IN", &o.inputs, std::string("Mesh, in one file or several: ") + mesh_formats}.must(),
        OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode)"}.must(),
        up_option(o.reading.up),
        {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
@@ -230,6 +231,7 @@ void add_build(CommandTable& commands) {
        "  lodestone build scan.ply -o scan.lode\n"
        "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
        "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
+       "  lodestone build scans/part*.ply -o whole.lode\n"
        "  lodestone build statue.ply -o statue.lode --memory-limit 2GiB --scratch /mnt/fast --resume\n"
        "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n"},
       declare, run);

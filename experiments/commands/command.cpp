@@ -90,6 +90,12 @@ void refuse_same(const FileArgument& a, const FileArgument& b) {
 
 std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common) { return make_tbb_scheduler(common.threads); }
 
+std::vector<FileArgument> file_arguments(const std::string& option, const std::vector<std::string>& files) {
+  std::vector<FileArgument> list;
+  for (const std::string& file : files) list.push_back({option, file});
+  return list;
+}
+
 void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
                  std::vector<FileArgument> outputs) {
   if (!common.json.empty() && common.json != "-") outputs.push_back({"--json", common.json});

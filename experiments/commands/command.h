@@ -21,6 +21,10 @@ struct FileArgument {
   std::string extension = {};  // that an output must have, with its dot; empty: any
 };
 
+// The files given for one option.
+[[nodiscard]] std::vector<FileArgument> file_arguments(const std::string& option,
+                                                       const std::vector<std::string>& files);
+
 // Looks at the file names of a command line, the file of --json included, before any work: a typing error costs a line,
 // not a night or a model. Throws UsageError when a name is empty or has another extension than asked for, or when an
 // output would replace an input or another output; FileError when an output cannot be created. Leaves no trace in any

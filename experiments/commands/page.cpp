@@ -165,9 +165,7 @@ class PageWriter {
 void run(const PageOptions& options, const CommonOptions& common) {
   if (options.output.empty()) throw UsageError("--output: the folder name is empty");
   if (options.metric) (void)progressive::metric_kind(*options.metric);
-  std::vector<FileArgument> inputs;
-  for (const std::string& input : options.inputs) inputs.push_back({"IN", input});
-  check_files(common, inputs);
+  check_files(common, file_arguments("IN", options.inputs));
   (void)interrupt_flag();  // the folder is removed when interrupted
   AtomicFolder folder(options.output);
   const auto scheduler = make_scheduler(common);

@@ -65,6 +65,8 @@ void add_option(CLI::App& command, const OptionSpec& spec) {
     option->check(CLI::Range(spec.range->least, spec.range->most));
   if (!spec.choices.empty()) option->check(CLI::IsMember(spec.choices));
   if (!spec.type.empty()) option->type_name(spec.type);
+  if (spec.name.starts_with('-') && std::holds_alternative<std::vector<std::string>*>(spec.value))
+    option->allow_extra_args(false);  // one each time that it is given: what follows may be an argument
   option->required(spec.required);
   for (const std::string& name : spec.excludes) option->excludes(command.get_option(name));
   for (const std::string& name : spec.needs) option->needs(command.get_option(name));

@@ -78,7 +78,7 @@ std::vector<Key> joined(std::vector<std::vector<Key>> lists) {
 }
 
 std::vector<Key> build_details() {
-  return joined({{{"input", "", "file that was built"},
+  return joined({{{"inputs", "", "files that were built, as one mesh"},
                   {"compressed", "", "the file is a compressed one"},
                   {"lattice_bits", "", "bits of the lattice of all vertices; 0: none"},
                   {"lattice_error", "model units", "largest distance by which the lattice moves a vertex"},

@@ -11,6 +11,7 @@
 #include "experiments/commands/input.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/save.h"
+#include "parallel/mesh/joined_stream.h"
 #include "parallel/mesh/load.h"
 #include "render/lod/verify_radii.h"
 
@@ -18,16 +19,19 @@ namespace lodestone {
 namespace {
 
 struct VerifyOptions {
-  std::string file, input;
+  std::string file;
+  std::vector<std::string> inputs;
   InputOptions reading;
 };
 
 // On the lattice of the file. Both arguments may be .lode files by mistake, or even the same one: the message says
 // which of them was meant.
-IndexedMesh read_input(const std::string& input, const ReadConfig& reading, Scheduler& scheduler, Lattice lattice) {
+IndexedMesh read_input(const std::vector<std::string>& inputs, const ReadConfig& reading, Scheduler& scheduler,
+                       Lattice lattice) {
   try {
     Repairs repairs;
-    return prepare_mesh(load_mesh(input, scheduler, reading), repairs, scheduler, input, lattice);
+    const std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
+    return prepare_mesh(load_meshes(files, scheduler, reading), repairs, scheduler, name_of_files(files), lattice);
   } catch (const UnsupportedError& error) {
     throw UnsupportedError(std::string("--input ") + error.what());
   }
@@ -45,17 +49,18 @@ void print_ratio(const std::vector<double>& by_level) {
 }
 
 void run(const VerifyOptions& options, const CommonOptions& common) {
-  const auto& [file, input, input_options] = options;
+  const auto& [file, meshes, input_options] = options;
   std::vector<FileArgument> inputs{{"FILE", file}};
-  if (!input.empty()) inputs.push_back({"--input", input});
+  for (const std::string& input : meshes) inputs.push_back({"--input", input});
   check_files(common, inputs);
-  const ReadConfig reading = read_config(input_options, {input});
+  ReadConfig reading = read_config(input_options, meshes);
   Progress progress("reading", common.quiet);
   progress.phase("reading");
   const auto scheduler = make_scheduler(common);
   const Hierarchy hierarchy = load_lode(file, *scheduler);
+  reading.up = hierarchy.transform.up.axis;  // whatever the files say: it is not compared
   std::optional<IndexedMesh> mesh;
-  if (!input.empty()) mesh = read_input(input, reading, *scheduler, hierarchy.transform.lattice);
+  if (!meshes.empty()) mesh = read_input(meshes, reading, *scheduler, hierarchy.transform.lattice);
   progress.phase("verifying");
   const VerifyReport report = verify_with_radii(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();
@@ -81,10 +86,11 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
 }
 
 OptionTable declare(VerifyOptions& o) {
-  return with_input_options(
-      {OptionSpec{"FILE", &o.file, "Hierarchy (.lode)"}.must(),
-       {"--input", &o.input, "Mesh it was built from: compare the finest level with it triangle by triangle"}},
-      o.reading);
+  return with_input_options({OptionSpec{"FILE", &o.file, "Hierarchy (.lode)"}.must(),
+                             {"--input", &o.inputs,
+                              "Mesh it was built from: compare the finest level with it triangle by triangle; once for "
+                              "each of several files"}},
+                            o.reading);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ namespace lodestone {
 namespace {
 
 struct JobOptions {
-  std::string input, generator, output;
+  std::vector<std::string> inputs;
+  std::string generator, output;
   InputOptions reading;
   float sigma0 = BuildConfig{}.sigma0;
   std::uint32_t cell_triangles = BuildConfig{}.cell_triangles;
@@ -36,7 +37,6 @@ struct JobReport {
   DistributedResult result;
   std::vector<std::uint64_t> peak_bytes;  // by rank
   std::vector<std::string> hosts;
-  std::vector<std::string> warnings;
   StageTime time;  // of rank 0: all wait for each other
   int threads = 0;
 };
@@ -54,26 +54,19 @@ DistributedConfig config_of(const JobOptions& options) {
   return config;
 }
 
-std::unique_ptr<MeshStream> open_input(const JobOptions& options) {
-  if (!options.generator.empty()) return generated_stream(parse_generator(options.generator));
-  ReadConfig reading = read_config(options.reading, {options.input});
+RankInput open_input(const JobOptions& options, Ranks& ranks, Scheduler& scheduler) {
+  if (!options.generator.empty())
+    return shared_out(generated_stream(parse_generator(options.generator)), ranks.count());
+  ReadConfig reading = read_config(options.reading, options.inputs);
   reading.attributes = !options.no_attributes;
-  std::unique_ptr<MeshStream> stream = open_mesh_stream(options.input, reading);
-  if (!stream)
-    throw UnsupportedError(describe(options.input, "", "cannot be read by several processes side by side",
-                                    "give it as binary PLY of triangles without textures or as binary STL, or use "
-                                    "lodestone build"));
-  return stream;
+  const std::vector<std::filesystem::path> files(options.inputs.begin(), options.inputs.end());
+  return open_rank_input(files, reading, ranks, scheduler);
 }
 
 JobReport run_job(const JobOptions& options, const CommonOptions& common, Transport& transport) {
-  if (transport.rank() == 0) {
-    std::vector<FileArgument> inputs;
-    if (!options.input.empty()) inputs.push_back({"IN", options.input});
-    check_files(common, inputs, {{"--output", options.output, ".lode"}});
-  }
+  if (transport.rank() == 0)
+    check_files(common, file_arguments("IN", options.inputs), {{"--output", options.output, ".lode"}});
   Ranks ranks(transport);
-  const std::unique_ptr<MeshStream> stream = open_input(options);
   const std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
   DistributedConfig config = config_of(options);
   Progress progress("reading", common.quiet || transport.rank() != 0);
@@ -86,10 +79,10 @@ JobReport run_job(const JobOptions& options, const CommonOptions& common, Transp
       report.hosts.emplace_back(host.begin(), host.end());
   };
   const CpuClock clock;
-  report.result = build_distributed(*stream, config, ranks, *scheduler);
+  report.result = build_distributed([&](Ranks& all, Scheduler& workers) { return open_input(options, all, workers); },
+                                    config, ranks, *scheduler);
   report.time = clock.elapsed();
   report.peak_bytes[static_cast<std::size_t>(transport.rank())] = peak_resident_bytes();
-  report.warnings = stream->warnings();
   report.threads = scheduler->workers();
   return report;
 }
@@ -142,7 +135,8 @@ Json to_json(const JobReport& report, const JobOptions& options) {
   Json per_rank = Json::array();
   for (std::size_t r = 0; r < ranks.size(); ++r) per_rank.push_back(rank_json(report, r));
   const std::vector<double> memory(report.peak_bytes.begin(), report.peak_bytes.end());
-  return {{"input", options.input.empty() ? options.generator : options.input},
+  const std::vector<std::string> inputs{options.generator};
+  return {{"inputs", options.inputs.empty() ? inputs : options.inputs},
           {"output", options.output},
           {"input_triangles", hierarchy.provenance.input_triangles},
           {"input_vertices", hierarchy.provenance.input_vertices},
@@ -160,7 +154,7 @@ Json to_json(const JobReport& report, const JobOptions& options) {
             {"memory", imbalance(memory)}}},
           {"ranks", per_rank},
           {"level_table", level_table(hierarchy)},
-          {"warnings", report.warnings},
+          {"warnings", report.result.warnings},
           {"repairs", to_json(hierarchy.provenance.repairs)}};
 }
 
@@ -175,12 +169,12 @@ void print(const JobReport& report, const JobOptions& options) {
              static_cast<double>(std::ranges::max(report.peak_bytes)) * 1e-6,
              static_cast<double>(bytes_sent(report)) / triangles);
   print_repairs(hierarchy.provenance.repairs);
-  print_warnings(report.warnings);
+  print_warnings(report.result.warnings);
 }
 
 OptionTable declare(JobOptions& o) {
   return {
-      OptionSpec{"IN", &o.input, "Mesh: binary .ply of triangles, or binary .stl"},
+      OptionSpec{"IN", &o.inputs, std::string("Mesh, in one file or several: ") + mesh_formats},
       OptionSpec{"--generate", &o.generator, "A generated surface instead of a file, such as sphere:16e6:1"}.of_type(
           "SHAPE:TRIANGLES[:SEED]"),
       OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode), in a folder that all machines share"}.must(),
@@ -211,8 +205,8 @@ void add_build_job(CommandTable& commands, MpiTransport& transport) {
   const auto both = std::make_shared<Both>();
   const auto run = [both, &transport] {
     try {
-      if (both->own.input.empty() == both->own.generator.empty())
-        throw UsageError("one mesh is built: give either a file or --generate");
+      if (both->own.inputs.empty() == both->own.generator.empty())
+        throw UsageError("one mesh is built: give either files or --generate");
       transport.set_timeout(both->own.timeout);
       run_rank(transport, [&] {
         const JobReport report = run_job(both->own, both->common, transport);

@@ -57,7 +57,7 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   const auto scheduler = study_scheduler(parameters);
   const ScratchFile file(context);
   BuildJob job;
-  job.input = context.input;
+  job.inputs = {context.input};
   job.output = file.path();
   job.reading = study_reading();
   job.build = build_config(parameters, context);

@@ -8,6 +8,7 @@
 #include "experiments/command_line/version.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/subjects/result_hash.h"
+#include "parallel/mesh/joined_stream.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -32,7 +33,8 @@ ModelConfig model_config(const BuildJob& job) {
 void refuse_beyond_limit(const BuildJob& job) {
   for (const auto& [given, name] : {std::pair{job.measure_errors, "--measure-error"}, {job.build.refine, "--refine"}})
     if (given)
-      throw InputError(describe(job.input, "", std::string(name) + " needs more memory than --memory-limit allows",
+      throw InputError(describe(name_of_files(job.inputs), "",
+                                std::string(name) + " needs more memory than --memory-limit allows",
                                 "leave one of them out"));
 }
 
@@ -166,7 +168,7 @@ const Columns& all_build_columns() {
 BuildResult run(const BuildJob& job, Scheduler& scheduler) {
   const CostMeter meter;
   ModelConfig config = model_config(job);
-  const ModelSource source = open_model_source(job.input, job.reading, job.memory_limit, scheduler.workers());
+  const ModelSource source = open_model_source(job.inputs, job.reading, job.memory_limit, scheduler.workers());
   BuildResult result;
   if (source.stream) {
     refuse_beyond_limit(job);

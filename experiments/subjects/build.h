@@ -31,7 +31,7 @@ struct ScratchUse {
 };
 
 struct BuildJob {
-  std::string input;
+  std::vector<std::filesystem::path> inputs;  // one mesh in their order
   std::filesystem::path output;
   ReadConfig reading;
   BuildConfig build;  // its cancel and progress are those of the whole job

@@ -13,10 +13,13 @@
 namespace lodestone {
 namespace {
 
-void check(const MeshStream& stream, const DistributedConfig& config) {
+void check(const DistributedConfig& config) {
   check_config(config.build);
   if (config.build.refine) throw UnsupportedError("splitting long edges needs the whole mesh on one machine");
   if (config.build.order_cells) throw UnsupportedError("compressed files are not written by several ranks");
+}
+
+void check(const MeshStream& stream) {
   if (stream.has_attributes())
     throw UnsupportedError(describe(stream.name(), "",
                                     "has attributes of vertices, which several ranks do not build: wedges of a vertex "
@@ -85,14 +88,19 @@ RankStage RankReport::total() const {
   return sum;
 }
 
-DistributedResult build_distributed(const MeshStream& stream, const DistributedConfig& config, Ranks& ranks,
+DistributedResult build_distributed(const OpenInput& open, const DistributedConfig& config, Ranks& ranks,
                                     Scheduler& scheduler) {
-  check(stream, config);
+  check(config);
   Stages stages(config, ranks, scheduler);
   DistributedResult result;
   Hierarchy& head = result.tables;
-  CleanSlices clean =
-      stages.run("reading", [&] { return distributed_clean(stream, config.lattice, ranks, scheduler); });
+  RankInput input;
+  CleanSlices clean = stages.run("reading", [&] {
+    input = open(ranks, scheduler);
+    check(*input.stream);
+    return distributed_clean(input, config.lattice, ranks, scheduler);
+  });
+  result.warnings = std::move(input.warnings);
   head.transform = clean.transform;
   head.provenance.repairs = clean.repairs;
   head.provenance.input_vertices = clean.vertices_left.total();
@@ -100,8 +108,9 @@ DistributedResult build_distributed(const MeshStream& stream, const DistributedC
   describe_config(config.build, head);
 
   auto [choice, routed] = stages.run("sorting", [&] {
-    FinestChoice chosen = choose_cells(stream, clean, config.build, ranks);
-    RoutedMesh mesh = route_triangles(stream, std::move(clean), chosen, ranks);
+    FinestChoice chosen = choose_cells(*input.stream, clean, config.build, ranks);
+    RoutedMesh mesh = route_triangles(*input.stream, std::move(clean), chosen, ranks);
+    input.stream.reset();
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "parallel/distributed/rank_input.h"
 #include "parallel/distributed/ranks.h"
 #include "parallel/hierarchy/build.h"
-#include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -44,15 +44,18 @@ struct RankReport {
 };
 
 struct DistributedResult {
-  Hierarchy tables;               // without payloads: levels and cells at rank 0 alone
-  std::uint64_t file_bytes = 0;   // at rank 0
-  std::vector<RankReport> ranks;  // at all ranks; the last stage of the others ends before that of rank 0
+  Hierarchy tables;                   // without payloads: levels and cells at rank 0 alone
+  std::uint64_t file_bytes = 0;       // at rank 0
+  std::vector<std::string> warnings;  // about the input
+  std::vector<RankReport> ranks;      // at all ranks; the last stage of the others ends before that of rank 0
 };
 
-// Called by all ranks with the same stream and configuration. Throws what build_model throws; UnsupportedError for a
-// stream with attributes and for options that are not built by ranks. An error of one rank has to reach the others
-// (Transport::fail), or they wait until the time-out.
-[[nodiscard]] DistributedResult build_distributed(const MeshStream& stream, const DistributedConfig& config,
-                                                  Ranks& ranks, Scheduler& scheduler);
+using OpenInput = std::function<RankInput(Ranks&, Scheduler&)>;
+
+// Called by all ranks, for the same input and with the same configuration. Throws what build_model throws;
+// UnsupportedError for a mesh with attributes and for options that are not built by ranks. An error of one rank has to
+// reach the others (Transport::fail), or they wait until the time-out.
+[[nodiscard]] DistributedResult build_distributed(const OpenInput& open, const DistributedConfig& config, Ranks& ranks,
+                                                  Scheduler& scheduler);
 
 }  // namespace lodestone

@@ -33,16 +33,17 @@ struct Repeat {
 
 class DistributedCleaning {
  public:
-  DistributedCleaning(const MeshStream& stream, Ranks& ranks, Scheduler& scheduler)
-      : stream_(stream), ranks_(ranks), scheduler_(scheduler) {
-    out_.vertices = Slices(stream.vertex_count(), ranks.count());
-    out_.triangles = Slices(stream.triangle_count(), ranks.count());
+  DistributedCleaning(const RankInput& input, Ranks& ranks, Scheduler& scheduler)
+      : stream_(*input.stream), ranks_(ranks), scheduler_(scheduler) {
+    out_.vertices = input.vertices;
+    out_.triangles = input.triangles;
+    out_.repairs = input.reading;
     first_vertex_ = out_.vertices.begin(ranks.rank());
     first_triangle_ = out_.triangles.begin(ranks.rank());
     own_vertices_ = out_.vertices.size(ranks.rank());
     own_triangles_ = out_.triangles.size(ranks.rank());
     out_.dropped = BitSet(own_triangles_);
-    out_.transform.up = stream.up();
+    out_.transform.up = stream_.up();
     states_.resize(own_vertices_);
   }
 
@@ -301,8 +302,8 @@ PieceCorners::PieceCorners(std::span<const Triangle> triangles) : local_(triangl
   if (!triangles.empty()) numbers_.number({triangles.data()->v.data(), 3 * triangles.size()}, local_.data()->v.data());
 }
 
-CleanSlices distributed_clean(const MeshStream& stream, Lattice lattice, Ranks& ranks, Scheduler& scheduler) {
-  DistributedCleaning cleaning(stream, ranks, scheduler);
+CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks, Scheduler& scheduler) {
+  DistributedCleaning cleaning(input, ranks, scheduler);
   cleaning.drop_non_finite_triangles();
   cleaning.normalise(lattice);
   cleaning.weld_vertices();

@@ -9,9 +9,9 @@
 #include "core/base/key_numbers.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/clean/stream_clean.h"
+#include "parallel/distributed/rank_input.h"
 #include "parallel/distributed/ranks.h"
 #include "parallel/distributed/slices.h"
-#include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -30,10 +30,10 @@ struct CleanSlices {
   Repairs repairs;  // of all ranks
 };
 
-// Called by all ranks with the same stream and lattice (none, or one). The slice is read three to six times. Memory: 17
+// Called by all ranks with the same input and lattice (none, or one). The slice is read three to six times. Memory: 17
 // bytes per vertex of the slice and a bit per triangle, and in addition first 16 bytes per vertex, then 16 per
 // triangle, of a share that is as large as the slice on average. Throws as prepare_mesh and the stream do.
-[[nodiscard]] CleanSlices distributed_clean(const MeshStream& stream, Lattice lattice, Ranks& ranks,
+[[nodiscard]] CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks,
                                             Scheduler& scheduler);
 
 // The distinct corners of a piece of triangles: corner k of triangle t is number(3 t + k) of them.

@@ -123,9 +123,9 @@ std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
   std::vector<CellCode> sample = sample_cells(stream, clean, ranks);
   const LevelGrids grids = grids_of(config);
-  const int level = config.finest_level < 0 ? grids.finest_level(finest_level_of(sample, clean.triangles_left,
-                                                                                 config.cell_triangles))
-                                            : config.finest_level;
+  const int level = config.finest_level < 0
+                        ? grids.finest_level(finest_level_of(sample, clean.triangles_left, config.cell_triangles))
+                        : config.finest_level;
   const int grid = grids.of(level);
   for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - grid);
   return {level, grid, CellOwners(level, std::move(sample), ranks.count(), grids)};

@@ -14,6 +14,7 @@
 #include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
+#include "parallel/mesh/joined_stream.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/first_touch.h"
 
@@ -80,7 +81,7 @@ RawMesh load_tileset(ByteReader& head, ReadConfig config, Scheduler& scheduler) 
       if (error) std::rethrow_exception(error);
     for (RawMesh& part : parts) append_mesh(mesh, std::move(part), head.name());
   }
-  mesh.up = config.up ? up_of(MeshFormat::tileset, config) : up_of_tiles(mesh);
+  mesh.up = config.up ? up_of(MeshFormat::tileset, config) : up_of_tiles(finite_box(mesh.positions));
   return mesh;
 }
 
@@ -103,6 +104,16 @@ RawMesh load_mesh(const std::filesystem::path& given, Scheduler& scheduler, cons
   } catch (const std::bad_alloc&) {
     throw_out_of_memory(head.name());
   }
+}
+
+RawMesh load_meshes(std::span<const std::filesystem::path> files, Scheduler& scheduler, const ReadConfig& config) {
+  RawMesh mesh = load_mesh(files.front(), scheduler, config);
+  for (const std::filesystem::path& file : files.subspan(1)) {
+    RawMesh part = load_mesh(file, scheduler, config);
+    require_same_up(mesh.up, part.up, file.string());
+    append_mesh(mesh, std::move(part), file.string());
+  }
+  return mesh;
 }
 
 }  // namespace lodestone

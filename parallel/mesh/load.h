@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "core/formats/common/read_config.h"
 #include "core/mesh/indexed_mesh.h"
@@ -13,5 +14,10 @@ namespace lodestone {
 // MeshStream and the tiles of a tileset are read side by side. Memory: the mesh and one mebibyte per worker; for a
 // tileset, the mesh and 64 tiles.
 [[nodiscard]] RawMesh load_mesh(const std::filesystem::path& path, Scheduler& scheduler, const ReadConfig& config = {});
+
+// Several files, at least one, as one mesh in their order (core/mesh/raw_mesh.h). Throws InputError, naming a file, if
+// its up axis is not that of the first.
+[[nodiscard]] RawMesh load_meshes(std::span<const std::filesystem::path> files, Scheduler& scheduler,
+                                  const ReadConfig& config = {});
 
 }  // namespace lodestone

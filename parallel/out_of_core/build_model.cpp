@@ -13,6 +13,7 @@
 #include "parallel/hierarchy/measure_errors.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/hierarchy/texture_levels.h"
+#include "parallel/mesh/joined_stream.h"
 #include "parallel/mesh/load.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "parallel/out_of_core/out_of_core.h"
@@ -22,10 +23,10 @@ namespace lodestone {
 namespace {
 
 // `how`: about or at least.
-[[noreturn]] void fail_beyond(const std::filesystem::path& input, const std::string& how, std::uint64_t need,
+[[noreturn]] void fail_beyond(const std::string& input, const std::string& how, std::uint64_t need,
                               std::uint64_t limit) {
   throw ResourceError(describe(
-      input.string(), "",
+      input, "",
       "needs " + how + " " + needed_mebibytes(need) + " in memory, and the limit is " + available_mebibytes(limit),
       "give it as binary PLY of triangles without attributes or as binary STL, which are built out of core "
       "(--no-attributes leaves those of a PLY out), or --memory-limit " +
@@ -43,9 +44,11 @@ std::uint64_t in_core_bytes(std::uint64_t vertices, std::uint64_t triangles, int
 }
 
 // Files that are in memory as a whole while they are read; Draco needs tables of its own, too.
-std::uint64_t reading_bytes(const std::filesystem::path& path, const RawMesh& mesh) {
-  const std::string extension = extension_of(path);
+std::uint64_t reading_bytes(std::span<const std::filesystem::path> files, const RawMesh& mesh) {
   const std::uint64_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  if (files.size() > 1) return 48 * vertices + 24 * triangles;  // arrays that grow are there twice
+  const std::filesystem::path& path = files.front();
+  const std::string extension = extension_of(path);
   const std::uint64_t plain = 24 * vertices + 28 * triangles;
   if (extension == ".gltf") return plain + 12 * vertices + 12 * triangles;
   if (extension != ".glb" && extension != ".drc") return 0;
@@ -55,12 +58,13 @@ std::uint64_t reading_bytes(const std::filesystem::path& path, const RawMesh& me
   return packed ? 80 * triangles : plain + bytes;
 }
 
-void check_limit(const std::filesystem::path& path, const RawMesh& mesh, std::uint64_t limit, int workers) {
+void check_limit(std::span<const std::filesystem::path> files, const RawMesh& mesh, std::uint64_t limit, int workers) {
   constexpr std::uint64_t wedge_bytes = 48;  // of attributes, while corners become wedges
-  std::uint64_t need = in_core_bytes(mesh.positions.size(), mesh.triangles.size(), workers, reading_bytes(path, mesh)) +
-                       wedge_bytes * wedge_count(mesh);
+  std::uint64_t need =
+      in_core_bytes(mesh.positions.size(), mesh.triangles.size(), workers, reading_bytes(files, mesh)) +
+      wedge_bytes * wedge_count(mesh);
   for (const Texture& texture : mesh.textures) need += 2 * texture.bytes.size();  // in the mesh, and in what is written
-  if (limit > 0 && need > limit) fail_beyond(path, "about", need, limit);
+  if (limit > 0 && need > limit) fail_beyond(name_of_files(files), "about", need, limit);
 }
 
 AttributeCounts count_attributes(const RawMesh& mesh) {
@@ -71,12 +75,12 @@ AttributeCounts count_attributes(const RawMesh& mesh) {
 // The steps in memory.
 class InCoreBuild {
  public:
-  InCoreBuild(std::filesystem::path path, const ModelConfig& config, Scheduler& scheduler)
-      : path_(std::move(path)), config_(config), scheduler_(scheduler) {}
+  InCoreBuild(std::string name, const ModelConfig& config, Scheduler& scheduler)
+      : name_(std::move(name)), config_(config), scheduler_(scheduler) {}
 
-  ModelResult run(const ReadConfig& reading) {
-    RawMesh raw = step("read", "reading", [&] { return load_mesh(path_, scheduler_, reading); });
-    check_limit(path_, raw, config_.memory_limit, scheduler_.workers());
+  ModelResult run(const ModelSource& source) {
+    RawMesh raw = step("read", "reading", [&] { return load_meshes(source.files, scheduler_, source.reading); });
+    check_limit(source.files, raw, config_.memory_limit, scheduler_.workers());
     return run(std::move(raw));
   }
 
@@ -84,11 +88,10 @@ class InCoreBuild {
     result_.attributes = count_attributes(raw);
     result_.warnings = std::move(raw.warnings);
     Repairs repairs;
-    IndexedMesh mesh = step("weld", "welding", [&] {
-      return prepare_mesh(std::move(raw), repairs, scheduler_, path_.string(), config_.lattice);
-    });
+    IndexedMesh mesh = step("weld", "welding",
+                            [&] { return prepare_mesh(std::move(raw), repairs, scheduler_, name_, config_.lattice); });
     if (const auto crowded = find_crowded(mesh.positions, mesh.transform))
-      result_.warnings.push_back(path_.string() + ": " + describe(*crowded));
+      result_.warnings.push_back(name_ + ": " + describe(*crowded));
     triangles_ = mesh.triangles.size();
     BuildConfig build = config_.build;
     build.progress = [&](double share) { report(share); };
@@ -131,10 +134,10 @@ class InCoreBuild {
     for (std::string& warning : step("textures", "halving textures", [&] {
            return add_texture_copies(result_.hierarchy, scheduler_, config_.build.cancel);
          }))
-      result_.warnings.push_back(path_.string() + ": " + warning);
+      result_.warnings.push_back(name_ + ": " + warning);
   }
 
-  const std::filesystem::path path_;  // or another name of the mesh, for messages
+  const std::string name_;  // of the mesh, for messages
   const ModelConfig& config_;
   Scheduler& scheduler_;
   ModelResult result_;
@@ -142,12 +145,22 @@ class InCoreBuild {
   std::uint64_t triangles_ = 0;
 };
 
+// All files as one; nullptr if one of them has to be read as a whole.
+std::unique_ptr<MeshStream> open_streams(std::span<const std::filesystem::path> files, const ReadConfig& reading) {
+  std::vector<std::unique_ptr<MeshStream>> parts;
+  for (const std::filesystem::path& file : files) {
+    parts.push_back(open_mesh_stream(file, reading));
+    if (!parts.back()) return nullptr;
+  }
+  return join_streams(std::move(parts), name_of_files(files));
+}
+
 // A small mesh needs more on disk, for tables and pieces, than in memory: the smaller need is the one to give.
 void refuse_small_limit(const ModelSource& source, const ModelConfig& config, int workers) {
   const std::uint64_t on_disk = model_need(*source.stream, config, workers).memory_bytes;
   if (source.in_core_bytes == 0 || source.in_core_bytes >= on_disk || config.memory_limit >= on_disk) return;
   throw ResourceError(
-      describe(source.path.string(), "",
+      describe(name_of_files(source.files), "",
                "needs " + needed_mebibytes(source.in_core_bytes) + " of memory, and the limit is " +
                    available_mebibytes(config.memory_limit),
                "give --memory-limit " + std::to_string((source.in_core_bytes + mebibyte - 1) / mebibyte) + "MiB"));
@@ -155,19 +168,23 @@ void refuse_small_limit(const ModelSource& source, const ModelConfig& config, in
 
 }  // namespace
 
-ModelSource open_model_source(const std::filesystem::path& path, const ReadConfig& reading, std::uint64_t memory_limit,
-                              int workers) {
-  ModelSource source{path, reading};
+ModelSource open_model_source(std::vector<std::filesystem::path> files, const ReadConfig& reading,
+                              std::uint64_t memory_limit, int workers) {
+  ModelSource source{std::move(files), reading};
   if (memory_limit == 0) return source;
-  if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, reading); stream && !stream->has_attributes()) {
+  if (std::unique_ptr<MeshStream> stream = open_streams(source.files, reading); stream && !stream->has_attributes()) {
     const std::uint64_t need = in_core_bytes(stream->vertex_count(), stream->triangle_count(), workers);
     if (need > memory_limit) source.stream = std::move(stream), source.in_core_bytes = need;
     return source;
   }
-  std::error_code ignored;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, ignored);
+  std::uintmax_t bytes = 0;
+  for (const std::filesystem::path& file : source.files) {
+    std::error_code failed;
+    const std::uintmax_t size = std::filesystem::file_size(file, failed);
+    if (!failed) bytes += size;
+  }
   // No format is larger in the file than in memory.
-  if (!ignored && bytes > memory_limit) fail_beyond(path, "at least", bytes, memory_limit);
+  if (bytes > memory_limit) fail_beyond(name_of_files(source.files), "at least", bytes, memory_limit);
   return source;
 }
 
@@ -178,7 +195,7 @@ std::filesystem::path scratch_folder(const ModelConfig& config) {
 }
 
 ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler) {
-  if (!source.stream) return InCoreBuild(source.path, config, scheduler).run(source.reading);
+  if (!source.stream) return InCoreBuild(name_of_files(source.files), config, scheduler).run(source);
   refuse_small_limit(source, config, scheduler.workers());
   return build_out_of_core(*source.stream, config, scheduler);
 }

@@ -22,17 +22,18 @@ namespace lodestone {
 
 class MeshStream;  // parallel/mesh/mesh_stream.h
 
-// A mesh file and how it is read.
+// Mesh files, which are one mesh in their order, and how they are read.
 struct ModelSource {
-  std::filesystem::path path;
+  std::vector<std::filesystem::path> files;
   ReadConfig reading{};
-  std::shared_ptr<const MeshStream> stream{};  // builds on disk from pieces of the file; nullptr: in memory
+  std::shared_ptr<const MeshStream> stream{};  // builds on disk from pieces of the files; nullptr: in memory
   std::uint64_t in_core_bytes = 0;  // with a stream: the limit from which on it is built in memory; 0: unknown
 };
 
-// Chooses between memory and disk by a limit in bytes; 0: no limit. `workers` build later. Throws ResourceError for a
-// file that exceeds the limit and can only be read as a whole, and what open_mesh_stream throws.
-[[nodiscard]] ModelSource open_model_source(const std::filesystem::path& path, const ReadConfig& reading,
+// Chooses between memory and disk by a limit in bytes; 0: no limit. At least one file; `workers` build later. Throws
+// ResourceError for files that exceed the limit and can only be read as a whole, and what open_mesh_stream and
+// join_streams throw.
+[[nodiscard]] ModelSource open_model_source(std::vector<std::filesystem::path> files, const ReadConfig& reading,
                                             std::uint64_t memory_limit, int workers);
 
 struct ModelProgress {

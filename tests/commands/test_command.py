@@ -219,7 +219,7 @@ class Build(CommandCase):
     def test_file_names_need_not_be_utf8(self):
         name = os.fsdecode(b"scan\xff.ply")
         shutil.copy(sphere(), self.folder / name)
-        self.assertIn("scan", self.results("build", name, "-o", "m.lode")["input"])
+        self.assertIn("scan", self.results("build", name, "-o", "m.lode")["inputs"][0])
 
 
 class Compressed(CommandCase):

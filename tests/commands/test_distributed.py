@@ -13,6 +13,7 @@ from command_case import FILE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, u
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 SCAN = SOURCE / "build/data/scans/lucy100k.ply"
+TILES = SOURCE / "build/data/textured/komaba_tiles_022"
 
 
 def surface():
@@ -60,6 +61,12 @@ class Distributed(CommandCase):
                 for value in figures["imbalance"].values():
                     self.assertGreaterEqual(value, 1)
 
+    def test_several_files_are_one_mesh(self):
+        other = model("ball.ply", "generate", "sphere", "--triangles", 3000)
+        files = [surface(), other, *(folder for folder in [TILES] if folder.exists())]
+        self.assertTrue(self.built(3, *files, "--up", "z", "--no-attributes")[0] ==
+                        model("files.lode", "build", *files, "--up", "z", "--no-attributes").read_bytes())
+
     def test_a_generated_surface_needs_no_file(self):
         made = model("terrain.ply", "generate", "terrain", "--triangles", 50_000, "--seed", 5)
         expected = model("terrain.lode", "build", made).read_bytes()
@@ -75,7 +82,7 @@ class Distributed(CommandCase):
         self.assert_refused(self.job(3, "missing.ply", "-o", "m.lode"), FILE, "rank 0 on ", "missing.ply: cannot open")
         self.assert_refused(self.job(2, surface(), "-o", "no/m.lode"), FILE, "rank 0 on ", "no/m.lode")
         self.assert_refused(self.job(2, surface(), "-o", "m.lode", "--ranks"), USAGE, "lodestone-mpi build --help")
-        self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either a file or --generate")
+        self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either files or --generate")
         self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode"), UNSUPPORTED, "lodestone build")
         self.assert_refused(self.job(2, surface(), "--generate", "sphere:100", "-o", "m.lode"), USAGE, "--generate")
 

@@ -196,12 +196,9 @@ RawMesh read_tile(const Tile& tile, const ReadConfig& config) {
   return mesh;
 }
 
-Up up_of_tiles(const RawMesh& mesh) {
+Up up_of_tiles(const Box3d& box) {
   constexpr double lowest = 6.3e6, highest = 6.4e6;  // metres from the middle of the Earth
-  Box3d box;
-  for (const Vec3d p : mesh.positions)
-    if (is_finite(p)) box.extend(p);
-  const double height = mesh.positions.empty() ? 0 : length(0.5 * (box.lo + box.hi));
+  const double height = !box.empty() ? length(0.5 * (box.lo + box.hi)) : 0;
   return {height > lowest && height < highest ? UpAxis::earth : UpAxis::z, false};
 }
 
@@ -210,7 +207,7 @@ RawMesh read_tileset(ByteReader& input, const ReadConfig& config) {
   RawMesh mesh;
   mesh.warnings = std::move(list.warnings);
   for (const Tile& tile : list.tiles) append_mesh(mesh, read_tile(tile, config), input.name());
-  mesh.up = up_of_tiles(mesh);
+  mesh.up = up_of_tiles(finite_box(mesh.positions));
   return mesh;
 }
 

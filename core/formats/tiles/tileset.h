@@ -33,7 +33,7 @@ struct TileList {
 
 // The up axis of tiles that are put together as a mesh: where it lies on the Earth, away from the middle of that;
 // elsewhere z, in the coordinates of the root's parent.
-[[nodiscard]] Up up_of_tiles(const RawMesh& mesh);
+[[nodiscard]] Up up_of_tiles(const Box3d& box);
 
 // All of them as one mesh, in the coordinates of the root, usually on the Earth.
 [[nodiscard]] RawMesh read_tileset(ByteReader& input, const ReadConfig& config = {});

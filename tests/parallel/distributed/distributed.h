@@ -26,38 +26,46 @@ class Distributed : public FolderTest {
   }
 
   // The file that comes of building in memory.
-  std::string in_memory(const fs::path& path) const {
+  std::string in_memory(const std::vector<fs::path>& files) const {
     const auto scheduler = make_tbb_scheduler(2);
     ModelConfig config{.build = config_.build, .output = folder_ / "expected.lode", .lattice = config_.lattice};
-    (void)build_model(ModelSource{path, {.attributes = false}}, config, *scheduler);
+    (void)build_model(ModelSource{files, {.attributes = false}}, config, *scheduler);
     return content(config.output);
   }
 
-  DistributedResult build(const MeshStream& stream, int ranks, int threads, const LocalRanksConfig& local = {}) const {
+  DistributedResult build(const OpenInput& input, int ranks, int threads, const LocalRanksConfig& local = {}) const {
     DistributedResult first;
     run_local_ranks(
         ranks,
         [&](Transport& transport) {
           const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
           Ranks all(transport);
-          DistributedResult result = build_distributed(stream, config_, all, *scheduler);
+          DistributedResult result = build_distributed(input, config_, all, *scheduler);
           if (transport.rank() == 0) first = std::move(result);
         },
         local);
     return first;
   }
-  std::string built(const fs::path& path, int ranks, int threads) const {
-    (void)build(*open_mesh_stream(path, {.attributes = false}), ranks, threads);
+  DistributedResult build(std::shared_ptr<const MeshStream> stream, int ranks, int threads,
+                          const LocalRanksConfig& local = {}) const {
+    return build([&](Ranks& all, Scheduler&) { return shared_out(stream, all.count()); }, ranks, threads, local);
+  }
+  std::string built(const std::vector<fs::path>& files, int ranks, int threads) const {
+    (void)build(
+        [&](Ranks& all, Scheduler& scheduler) { return open_rank_input(files, {.attributes = false}, all, scheduler); },
+        ranks, threads);
     return content(config_.output);
   }
   // From any number of ranks, and of threads in each.
-  void expect_same(const fs::path& path) const {
-    const std::string expected = in_memory(path);
+  void expect_same(const std::vector<fs::path>& files) const {
+    const std::string expected = in_memory(files);
     ASSERT_FALSE(expected.empty());
     for (const int ranks : {1, 2, 3, 5, 8})
       for (const int threads : {0, 2})
-        EXPECT_TRUE(built(path, ranks, threads) == expected) << ranks << " ranks, " << threads << " threads";
+        EXPECT_TRUE(built(files, ranks, threads) == expected) << ranks << " ranks, " << threads << " threads";
   }
+
+  void expect_same(const fs::path& file) const { expect_same(std::vector{file}); }
 
   fs::path mesh(const RawMesh& raw) const {
     test::write_ply(folder_ / "m.ply", raw);

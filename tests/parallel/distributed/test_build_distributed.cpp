@@ -26,9 +26,9 @@ TEST_F(Distributed, RepairsWhatOneMachineRepairs) {
   expect_same(mesh(test::with_faults(sphere(5), 1)));
   const auto scheduler = make_serial_scheduler();
   const RawMesh faulty = test::with_faults(sphere(4), 2);
-  const DistributedResult result = build(*open_mesh_stream(mesh(faulty)), 3, 0);
+  const DistributedResult result = build(open_mesh_stream(mesh(faulty)), 3, 0);
   ModelConfig config{.build = config_.build, .output = folder_ / "expected.lode"};
-  const ModelResult expected = build_model(ModelSource{folder_ / "m.ply"}, config, *scheduler);
+  const ModelResult expected = build_model(ModelSource{{folder_ / "m.ply"}}, config, *scheduler);
   EXPECT_EQ(result.tables.provenance.repairs, expected.hierarchy.provenance.repairs);
   EXPECT_GT(result.tables.provenance.repairs.welded_vertices, 0u);
   EXPECT_GT(result.tables.provenance.repairs.duplicate_triangles, 0u);
@@ -66,14 +66,14 @@ TEST_F(Distributed, BuildsGeneratedSurfacesWithoutAFile) {
   for (const char* text : {"terrain:30000:3", "torus:20000", "pile:3000:2"}) {
     const GenerateConfig config = parse_generator(text);
     (void)generate_ply(config, folder_ / "g.ply", *scheduler);
-    const std::string expected = in_memory(folder_ / "g.ply");
-    (void)build(*generated_stream(config), 3, 2);
+    const std::string expected = in_memory({folder_ / "g.ply"});
+    (void)build(generated_stream(config), 3, 2);
     EXPECT_TRUE(content(config_.output) == expected) << text;
   }
 }
 
 TEST_F(Distributed, TellsWhatEachRankHasDone) {
-  const DistributedResult result = build(*open_mesh_stream(mesh(sphere(5))), 3, 0);
+  const DistributedResult result = build(open_mesh_stream(mesh(sphere(5))), 3, 0);
   ASSERT_EQ(result.ranks.size(), 3u);
   std::uint64_t triangles = 0, cells = 0;
   for (const RankReport& rank : result.ranks) {
@@ -89,12 +89,12 @@ TEST_F(Distributed, TellsWhatEachRankHasDone) {
 
 TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
   const fs::path path = mesh(sphere(2));
-  const auto stream = open_mesh_stream(path);
+  const std::shared_ptr<const MeshStream> stream = open_mesh_stream(path);
   config_.build.refine = true;
-  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"splitting long edges"});
+  expect_error_of<UnsupportedError>([&] { (void)build(stream, 2, 0); }, {"splitting long edges"});
   config_.build.refine = false;
   config_.build.order_cells = true;
-  expect_error_of<UnsupportedError>([&] { (void)build(*stream, 2, 0); }, {"compressed"});
+  expect_error_of<UnsupportedError>([&] { (void)build(stream, 2, 0); }, {"compressed"});
   config_.build.order_cells = false;
   const fs::path coloured = test_folder_.write(
       "c.ply",
@@ -102,7 +102,7 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
       "property list uchar int vertex_indices\nend_header\n" +
           std::string(3 * 15 + 13, '\3'));
-  expect_error_of<UnsupportedError>([&] { (void)build(*open_mesh_stream(coloured), 2, 0); },
+  expect_error_of<UnsupportedError>([&] { (void)build(open_mesh_stream(coloured), 2, 0); },
                                     {"c.ply", "attributes", "--no-attributes"});
 }
 

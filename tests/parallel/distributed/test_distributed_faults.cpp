@@ -23,13 +23,13 @@ class DistributedFaults : public Distributed {
     const LocalRanksConfig local{.timeout_seconds = 0.5, .on_send = [&](int from, int, Message& message) {
                                    return from != 1 || sent++ != at || fault(message);
                                  }};
-    (void)build(*stream_, 3, 0, local);
+    (void)build(stream_, 3, 0, local);
     return sent;
   }
   // The input, and no other file.
   void expect_no_output() const { EXPECT_EQ(files(), 1u); }
 
-  const std::unique_ptr<MeshStream> stream_;
+  const std::shared_ptr<const MeshStream> stream_;
 };
 
 TEST_F(DistributedFaults, ARankThatFailsAnywhereEndsTheJob) {
@@ -55,17 +55,17 @@ TEST_F(DistributedFaults, LostAndDamagedMessagesEndTheJobInTime) {
 
 TEST_F(DistributedFaults, AFullDiskEndsTheJob) {
   config_.output = "/dev/full";
-  expect_error_of<FileError>([&] { (void)build(*stream_, 3, 0); }, {"/dev/full", "No space left"});
+  expect_error_of<FileError>([&] { (void)build(stream_, 3, 0); }, {"/dev/full", "No space left"});
 }
 
 TEST_F(DistributedFaults, AnOutputThatCannotBeWrittenEndsTheJob) {
   config_.output = folder_ / "missing" / "m.lode";
-  expect_error_of<FileError>([&] { (void)build(*stream_, 3, 0); }, {"rank 0 on this process", "m.lode: cannot create"});
+  expect_error_of<FileError>([&] { (void)build(stream_, 3, 0); }, {"rank 0 on this process", "m.lode: cannot create"});
 }
 
 TEST_F(DistributedFaults, AFileThatIsCutShortEndsTheJob) {
   fs::resize_file(folder_ / "m.ply", fs::file_size(folder_ / "m.ply") - 20);
-  expect_error_of<InputError>([&] { (void)build(*stream_, 3, 0); },
+  expect_error_of<InputError>([&] { (void)build(stream_, 3, 0); },
                               {"rank 2 on this process", "m.ply", "the file ends here"});
   expect_no_output();
 }
@@ -73,7 +73,7 @@ TEST_F(DistributedFaults, AFileThatIsCutShortEndsTheJob) {
 TEST_F(DistributedFaults, AMeshWithoutTrianglesIsRefused) {
   RawMesh raw = test::raw_of(test::sphere_mesh(1));
   for (Triangle& t : raw.triangles) t.v[1] = t.v[0];
-  expect_error_of<InputError>([&] { (void)build(*open_mesh_stream(mesh(raw)), 3, 0); }, {"no triangle"});
+  expect_error_of<InputError>([&] { (void)build(open_mesh_stream(mesh(raw)), 3, 0); }, {"no triangle"});
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ class OutOfCore : public FolderTest {
 
   ModelResult build(const fs::path& path, Scheduler& scheduler) const { return build(path, config_, scheduler); }
   static ModelResult build(const fs::path& path, const ModelConfig& config, Scheduler& scheduler) {
-    return build_model({path, {}, open_mesh_stream(path)}, config, scheduler);
+    return build_model({{path}, {}, open_mesh_stream(path)}, config, scheduler);
   }
   std::string built(const fs::path& path, int threads = 2) const {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/verify/verify.h"
+#include "core/mesh/generate.h"
 #include "core/simplify/simplifiers.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "tests/parallel/out_of_core/out_of_core.h"
@@ -35,10 +36,10 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
   const fs::path path = sphere();
   const std::string expected = in_memory(path);
   const auto scheduler = make_tbb_scheduler(2);
-  const ModelSource in_core = open_model_source(path, {}, config_.memory_limit, 2);
+  const ModelSource in_core = open_model_source({path}, {}, config_.memory_limit, 2);
   EXPECT_EQ(in_core.stream, nullptr);
-  EXPECT_EQ(open_model_source(path, {}, 0, 2).stream, nullptr);
-  EXPECT_NE(open_model_source(path, {}, std::uint64_t{20} << 20, 2).stream, nullptr);
+  EXPECT_EQ(open_model_source({path}, {}, 0, 2).stream, nullptr);
+  EXPECT_NE(open_model_source({path}, {}, std::uint64_t{20} << 20, 2).stream, nullptr);
   std::vector<std::string> steps;
   config_.progress = [&](const ModelProgress& now) {
     if (steps.empty() || steps.back() != now.step) steps.push_back(now.step);
@@ -49,6 +50,25 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
     EXPECT_TRUE(result.report.stages.contains(stage)) << stage;
   EXPECT_EQ(result.file_bytes, fs::file_size(config_.output));
   EXPECT_TRUE(expected == content(config_.output));
+}
+
+TEST_F(OutOfCore, SeveralFilesAreOneMesh) {
+  const fs::path first = sphere();
+  const RawMesh other = generate_mesh({Shape::torus, 30'000, 2});
+  write_mesh(folder_ / "second.stl", other);
+  const std::vector<fs::path> files{first, folder_ / "second.stl"};
+  const auto scheduler = make_tbb_scheduler(2);
+  const ModelSource on_disk = open_model_source(files, {}, std::uint64_t{20} << 20, 2);
+  ASSERT_NE(on_disk.stream, nullptr);
+  (void)build_model(on_disk, config_, *scheduler);
+  const std::string built_on_disk = content(config_.output);
+  (void)build_model(open_model_source(files, {}, 0, 2), config_, *scheduler);
+  EXPECT_TRUE(built_on_disk == content(config_.output));
+  EXPECT_EQ(load_lode(config_.output, *scheduler).provenance.input_triangles,
+            load_mesh(first, *scheduler).triangles.size() + other.triangles.size());
+  // A file that is read as a whole, beside others.
+  EXPECT_THROW((void)open_model_source({first, test_folder_.write("a.off", std::string(2000, '#'))}, {}, 1000, 2),
+               ResourceError);
 }
 
 // A small input needs more on disk than in memory: the message asks for what the build in memory needs.
@@ -68,13 +88,13 @@ TEST_F(OutOfCore, NamesTheSmallerNeed) {
   const auto scheduler = make_serial_scheduler();
   config_.memory_limit = std::uint64_t{5} << 20;
   try {
-    (void)build_model(open_model_source(path, {}, config_.memory_limit, 1), config_, *scheduler);
+    (void)build_model(open_model_source({path}, {}, config_.memory_limit, 1), config_, *scheduler);
     FAIL() << "5 MiB are not enough";
   } catch (const ResourceError& error) {
     const std::string message = error.what();
     config_.memory_limit = std::stoull(message.substr(message.find("--memory-limit ") + 15)) << 20;
   }
-  const ModelSource source = open_model_source(path, {}, config_.memory_limit, 1);
+  const ModelSource source = open_model_source({path}, {}, config_.memory_limit, 1);
   EXPECT_EQ(source.stream, nullptr) << "built in memory";
   EXPECT_NO_THROW((void)build_model(source, config_, *scheduler));
 }
@@ -83,10 +103,10 @@ TEST_F(OutOfCore, NamesTheSmallerNeed) {
 TEST_F(OutOfCore, RefusesWholeFilesBeyondTheLimit) {
   const fs::path path = folder_ / "m.obj";
   write_mesh(path, test::sphere_mesh(5));
-  EXPECT_THROW((void)open_model_source(path, {}, 1000, 2), ResourceError);
+  EXPECT_THROW((void)open_model_source({path}, {}, 1000, 2), ResourceError);
   const auto scheduler = make_serial_scheduler();
   config_.memory_limit = std::uint64_t{1} << 20;
-  EXPECT_THROW((void)build_model(open_model_source(path, {}, config_.memory_limit, 2), config_, *scheduler),
+  EXPECT_THROW((void)build_model(open_model_source({path}, {}, config_.memory_limit, 2), config_, *scheduler),
                ResourceError);
 }
 

@@ -1,0 +1,274 @@
+#include "parallel/distributed/rank_input.h"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/formats/mesh_reader.h"
+#include "core/formats/tiles/tileset.h"
+#include "core/mesh/raw_mesh.h"
+#include "parallel/mesh/joined_stream.h"
+#include "parallel/mesh/load.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Known to all ranks of a part, whichever of them has it.
+struct PartFigures {
+  std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t polygons_triangulated = 0, faces_dropped = 0, void_posts = 0, filled_posts = 0;
+  Box3d box;
+  Up up;
+  bool has_attributes = false;
+};
+
+PartFigures figures_of(const RawMesh& mesh) {
+  return {.vertices = mesh.positions.size(),
+          .triangles = mesh.triangles.size(),
+          .polygons_triangulated = mesh.polygons_triangulated,
+          .faces_dropped = mesh.faces_dropped,
+          .void_posts = mesh.void_posts,
+          .filled_posts = mesh.filled_posts,
+          .box = finite_box(mesh.positions),
+          .up = mesh.up,
+          .has_attributes = wedge_count(mesh) > 0 || !mesh.materials.empty()};
+}
+
+// A file, or a tile of one: cut where the shares of ranks meet if it is read in pieces, and otherwise whole.
+struct Part {
+  std::size_t file = 0;
+  std::optional<Tile> tile = {};
+  std::uint64_t bytes = 0;
+  std::unique_ptr<MeshStream> stream = {};  // if it is read in pieces
+  PartFigures figures = {};
+  RawMesh mesh = {};  // a whole part, at its rank
+};
+
+// A whole part, of which the other ranks have the figures alone.
+class WholePart final : public MeshStream {
+ public:
+  WholePart(std::string name, const PartFigures& figures, RawMesh&& mesh)
+      : name_(std::move(name)), positions_(std::move(mesh.positions)), held_(std::move(mesh.triangles)) {
+    vertices_ = figures.vertices, triangles_ = figures.triangles;
+    has_attributes_ = figures.has_attributes;
+    up_ = figures.up;
+  }
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* /*wedges*/) const override {
+    std::ranges::copy(std::span(positions_).subspan(first, out.size()), out.begin());
+  }
+  void read_triangles(std::uint64_t first, std::span<Triangle> out) const override {
+    std::ranges::copy(std::span(held_).subspan(first, out.size()), out.begin());
+  }
+  [[nodiscard]] std::uint64_t identity() const override { return 0; }
+
+ private:
+  std::string name_;
+  std::vector<Vec3d> positions_;
+  std::vector<Triangle> held_;
+};
+
+// The bytes of a folder are those of what is in it.
+std::uint64_t bytes_of(const fs::path& path) {
+  std::error_code failed;
+  const std::uintmax_t bytes = fs::file_size(path, failed);
+  if (!failed) return bytes;
+  std::uint64_t sum = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, failed)) sum += bytes_of(entry.path());
+  return sum;
+}
+
+class InputParts {
+ public:
+  InputParts(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks, Scheduler& scheduler)
+      : files_(files), config_(config), ranks_(ranks), scheduler_(scheduler) {
+    for (std::size_t file = 0; file < files.size(); ++file) list_parts(file);
+    for (const Part& part : parts_) ends_.push_back(ends_.back() + std::max<std::uint64_t>(part.bytes, 1));
+  }
+
+  // The whole parts of this rank; then all know of all.
+  void read() {
+    std::vector<std::size_t> own;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      if (!parts_[p].stream && share_of(middle(p)) == ranks_.rank()) own.push_back(p);
+    std::vector<std::exception_ptr> errors(own.size());
+    const auto read = [&](std::size_t i) {
+      try {
+        read_part(parts_[own[i]]);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    };
+    // Tiles side by side; a file is read by all threads itself.
+    scheduler_.for_chunks(own.size(), 1, [&](ChunkRange range) {
+      if (parts_[own[range.index]].tile) read(range.index);
+    });
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (!parts_[own[i]].tile) read(i);
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+    share_figures(own);
+  }
+
+  [[nodiscard]] RankInput join() && {
+    RankInput input;
+    input.vertices = slices(&PartFigures::vertices);
+    input.triangles = slices(&PartFigures::triangles);
+    input.warnings = gather_warnings();
+    std::vector<std::unique_ptr<MeshStream>> streams;
+    for (Part& part : parts_) {
+      input.reading.polygons_triangulated += part.figures.polygons_triangulated;
+      input.reading.faces_dropped += part.figures.faces_dropped;
+      input.reading.void_posts += part.figures.void_posts;
+      input.reading.filled_posts += part.figures.filled_posts;
+      if (!part.stream)
+        part.stream = std::make_unique<WholePart>(files_[part.file].string(), part.figures, std::move(part.mesh));
+      streams.push_back(std::move(part.stream));
+    }
+    input.stream = join_streams(std::move(streams), name_of_files(files_));
+    return input;
+  }
+
+ private:
+  void list_parts(std::size_t file) {
+    const fs::path path = mesh_path(files_[file]);
+    std::error_code ignored;
+    if (!fs::is_directory(path, ignored)) {
+      if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config_)) {
+        Part part{.file = file, .bytes = bytes_of(path)};
+        part.figures.vertices = stream->vertex_count();
+        part.figures.triangles = stream->triangle_count();
+        warnings_.insert(warnings_.end(), stream->warnings().begin(), stream->warnings().end());
+        part.stream = std::move(stream);
+        parts_.push_back(std::move(part));
+        return;
+      }
+      ByteReader head = open_mesh_file(path, config_);
+      if (head.size() > 0 && mesh_format(path, head, config_) == MeshFormat::tileset) {
+        TileList list = list_tiles(head);
+        warnings_.insert(warnings_.end(), list.warnings.begin(), list.warnings.end());
+        for (Tile& tile : list.tiles) {
+          const std::uint64_t bytes = bytes_of(tile.file);
+          parts_.push_back({.file = file, .tile = std::move(tile), .bytes = bytes});
+        }
+        if (list.tiles.empty()) require_triangles({}, files_[file].string());
+        return;
+      }
+    }
+    parts_.push_back({.file = file, .bytes = bytes_of(path)});
+  }
+
+  void read_part(Part& part) {
+    ReadConfig config = config_;
+    config.progress = {};
+    part.mesh = part.tile ? read_tile(*part.tile, config) : load_mesh(files_[part.file], scheduler_, config);
+    part.figures = figures_of(part.mesh);
+    part.mesh.wedges = {};
+    std::vector<Texture>().swap(part.mesh.textures);
+  }
+
+  void share_figures(const std::vector<std::size_t>& own) {
+    struct Known {
+      std::uint64_t part;
+      PartFigures figures;
+    };
+    std::vector<Known> known;
+    for (const std::size_t p : own) known.push_back({p, parts_[p].figures});
+    for (const std::vector<Known>& of_rank : ranks_.gather_lists(known))
+      for (const Known& k : of_rank) parts_.at(k.part).figures = k.figures;
+    for (auto first = parts_.begin(); first != parts_.end();) {
+      const auto last = std::find_if(first, parts_.end(), [&](const Part& part) { return part.file != first->file; });
+      if (first->tile) complete_tileset(std::span(first, last));
+      first = last;
+    }
+  }
+
+  // A tile has the up axis of the mesh that all of them are together.
+  void complete_tileset(std::span<Part> tiles) const {
+    Box3d box;
+    std::uint64_t triangles = 0;
+    for (const Part& tile : tiles) box.extend(tile.figures.box), triangles += tile.figures.triangles;
+    if (triangles == 0) require_triangles({}, files_[tiles.front().file].string());
+    const Up up = config_.up ? up_of(MeshFormat::tileset, config_) : up_of_tiles(box);
+    for (Part& tile : tiles) tile.figures.up = up;
+  }
+
+  // Those of all ranks; each knows those of the parts that it has read.
+  std::vector<std::string> gather_warnings() {
+    std::string own;
+    for (const Part& part : parts_)
+      for (const std::string& warning : part.mesh.warnings) own += warning + '\n';
+    for (const std::vector<char>& of_rank : ranks_.gather_lists(std::vector<char>(own.begin(), own.end())))
+      for (auto first = of_rank.begin(); first != of_rank.end();) {
+        const auto last = std::find(first, of_rank.end(), '\n');
+        warnings_.emplace_back(first, last);
+        first = last + 1;
+      }
+    return std::move(warnings_);
+  }
+
+  // The bytes of all parts, one after the other, are cut into equal shares. A part that is cut is so in proportion; a
+  // whole one belongs where its middle lies.
+  [[nodiscard]] std::uint64_t middle(std::size_t p) const { return ends_[p] + (ends_[p + 1] - ends_[p]) / 2; }
+  [[nodiscard]] std::uint64_t cut(int rank) const {
+    return ends_.back() / static_cast<std::uint64_t>(ranks_.count()) * static_cast<std::uint64_t>(rank) +
+           ends_.back() % static_cast<std::uint64_t>(ranks_.count()) * static_cast<std::uint64_t>(rank) /
+               static_cast<std::uint64_t>(ranks_.count());
+  }
+  [[nodiscard]] int share_of(std::uint64_t byte) const {
+    int first = 0, last = ranks_.count();
+    while (last - first > 1) {
+      const int half = (first + last) / 2;
+      (cut(half) <= byte ? first : last) = half;
+    }
+    return first;
+  }
+
+  [[nodiscard]] Slices slices(std::uint64_t PartFigures::*count) const {
+    std::vector<std::uint64_t> before{0};  // by part: items of those before it
+    for (const Part& part : parts_) before.push_back(before.back() + part.figures.*count);
+    const auto items_before = [&](std::uint64_t byte) {
+      const auto p = static_cast<std::size_t>(std::ranges::upper_bound(ends_, byte) - ends_.begin()) - 1;
+      if (p == parts_.size()) return before.back();
+      const std::uint64_t items = parts_[p].figures.*count;
+      if (!parts_[p].stream) return before[p] + (middle(p) < byte ? items : 0);
+      const double share = static_cast<double>(byte - ends_[p]) / static_cast<double>(ends_[p + 1] - ends_[p]);
+      return before[p] + std::min(items, static_cast<std::uint64_t>(share * static_cast<double>(items)));
+    };
+    std::vector<std::uint64_t> sizes;
+    for (int r = 0; r < ranks_.count(); ++r) sizes.push_back(items_before(cut(r + 1)) - items_before(cut(r)));
+    return Slices(sizes);
+  }
+
+  std::span<const fs::path> files_;
+  const ReadConfig& config_;
+  Ranks& ranks_;
+  Scheduler& scheduler_;
+  std::vector<Part> parts_;
+  std::vector<std::uint64_t> ends_{0};  // bytes of the parts before each, and of all
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+RankInput shared_out(std::shared_ptr<const MeshStream> stream, int ranks) {
+  RankInput input{std::move(stream), {}, {}};
+  input.vertices = Slices(input.stream->vertex_count(), ranks);
+  input.triangles = Slices(input.stream->triangle_count(), ranks);
+  input.warnings = input.stream->warnings();
+  return input;
+}
+
+RankInput open_rank_input(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks,
+                          Scheduler& scheduler) {
+  InputParts parts(files, config, ranks, scheduler);
+  parts.read();
+  return std::move(parts).join();
+}
+
+}  // namespace lodestone

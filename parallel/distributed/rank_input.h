@@ -1,0 +1,36 @@
+// The input of the ranks: one mesh, and the part of it that each of them reads.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/formats/common/read_config.h"
+#include "core/mesh/indexed_mesh.h"
+#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/slices.h"
+#include "parallel/mesh/mesh_stream.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct RankInput {
+  std::shared_ptr<const MeshStream> stream;  // each rank reads its own slices of it alone
+  Slices vertices, triangles;
+  Repairs reading{};  // of the readers, of all ranks
+  std::vector<std::string> warnings{};
+};
+
+// The same share for each rank.
+[[nodiscard]] RankInput shared_out(std::shared_ptr<const MeshStream> stream, int ranks);
+
+// Called by all ranks with the same files, at least one, which are one mesh in their order, as load_meshes reads them.
+// Files that are read in pieces are cut where the ranks' shares meet; files of other formats, and the tiles of a
+// tileset, are dealt out as wholes by their bytes, and each is in the memory of its rank alone: 24 bytes per vertex and
+// 12 per triangle. Throws what load_meshes throws; UnsupportedError for attributes that `config` does not leave out.
+[[nodiscard]] RankInput open_rank_input(std::span<const std::filesystem::path> files, const ReadConfig& config,
+                                        Ranks& ranks, Scheduler& scheduler);
+
+}  // namespace lodestone
