@@ -103,6 +103,7 @@ Json to_json(const RankStage& stage) {
   Json json = to_json(stage.time);
   json.update({{"bytes_sent", stage.traffic.bytes_sent},
                {"bytes_received", stage.traffic.bytes_received},
+               {"messages_sent", stage.traffic.messages_sent},
                {"rounds", stage.traffic.rounds}});
   return json;
 }

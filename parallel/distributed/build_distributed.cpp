@@ -60,12 +60,7 @@ class Stages {
   RankReport report;
 
  private:
-  void measure() {
-    const Traffic& now = ranks_.traffic();
-    report.stages[next_] = {clock_.elapsed(),
-                            {now.bytes_sent - before_.bytes_sent, now.bytes_received - before_.bytes_received,
-                             now.rounds - before_.rounds}};
-  }
+  void measure() { report.stages[next_] = {clock_.elapsed(), ranks_.traffic().since(before_)}; }
 
   const DistributedConfig& config_;
   Ranks& ranks_;
@@ -81,9 +76,7 @@ RankStage RankReport::total() const {
   RankStage sum;
   for (const RankStage& stage : stages) {
     sum.time += stage.time;
-    sum.traffic.bytes_sent += stage.traffic.bytes_sent;
-    sum.traffic.bytes_received += stage.traffic.bytes_received;
-    sum.traffic.rounds += stage.traffic.rounds;
+    sum.traffic += stage.traffic;
   }
   return sum;
 }

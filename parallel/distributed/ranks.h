@@ -19,12 +19,25 @@ namespace lodestone {
 // Messages to other ranks and from them.
 struct Traffic {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
-  std::uint64_t rounds = 0;  // of messages between all ranks
+  std::uint64_t messages_sent = 0;
+  std::uint64_t rounds = 0;  // calls that all ranks make together
+
+  Traffic& operator+=(const Traffic& other) {
+    bytes_sent += other.bytes_sent, bytes_received += other.bytes_received;
+    messages_sent += other.messages_sent, rounds += other.rounds;
+    return *this;
+  }
+  [[nodiscard]] Traffic since(const Traffic& before) const {
+    return {bytes_sent - before.bytes_sent, bytes_received - before.bytes_received,
+            messages_sent - before.messages_sent, rounds - before.rounds};
+  }
 };
 
 class Ranks {
  public:
-  explicit Ranks(Transport& transport) : transport_(transport) {}
+  // More ranks than `most_direct` exchange by way of others: a message to each rank of the row of a square, which sends
+  // what has come for its column on to them. That is twice the bytes, and 2 sqrt(R) messages of a rank instead of R.
+  explicit Ranks(Transport& transport, int most_direct = 48) : transport_(transport), most_direct_(most_direct) {}
   [[nodiscard]] int rank() const { return transport_.rank(); }
   [[nodiscard]] int count() const { return transport_.ranks(); }
   [[nodiscard]] const std::string& host() const { return transport_.host(); }
@@ -36,17 +49,18 @@ class Ranks {
   template <class Item>
   [[nodiscard]] std::vector<std::vector<Item>> exchange(const std::vector<std::vector<Item>>& out);
 
-  // The values of all ranks, by rank.
+  // The values of all ranks, by rank, in log2 R steps of a message each.
   template <class Value>
   [[nodiscard]] std::vector<Value> gather(const Value& value);
   template <class Value>
   [[nodiscard]] std::vector<std::vector<Value>> gather_lists(const std::vector<Value>& values) {
-    return exchange(std::vector(static_cast<std::size_t>(count()), values));
+    const auto bytes = std::as_bytes(std::span(values));
+    return items_of<Value>(gather_messages({bytes.begin(), bytes.end()}));
   }
   [[nodiscard]] std::uint64_t sum(std::uint64_t value);
   [[nodiscard]] std::uint64_t maximum(std::uint64_t value);
   [[nodiscard]] bool any(bool value) { return maximum(value) > 0; }
-  // Rank 0 waits for all others, which do not wait for it: what it does after that, it does if none has failed.
+  // Rank 0 waits for all others, of which none waits for it: what it does after that, it does if none has failed.
   void tell_first();
   // Returns rank 0's message; those of the others do not count.
   [[nodiscard]] Message from_first(const Message& message);
@@ -54,9 +68,16 @@ class Ranks {
  private:
   void send(int to, const Message& payload);
   [[nodiscard]] Message receive(int from);
+  [[nodiscard]] std::vector<Message> exchange_directly(std::vector<Message>&& out);
+  [[nodiscard]] std::vector<Message> exchange_by_way(std::vector<Message>&& out);
+  [[nodiscard]] std::vector<Message> gather_messages(Message&& own);
+  template <class Item>
+  [[nodiscard]] static std::vector<std::vector<Item>> items_of(const std::vector<Message>& messages);
 
   Transport& transport_;
+  int most_direct_;
   Traffic traffic_;
+  std::uint64_t step_ = 0;  // messages between two ranks within it are of one kind
 };
 
 template <class Item>
@@ -67,8 +88,13 @@ std::vector<std::vector<Item>> Ranks::exchange(const std::vector<std::vector<Ite
     const auto bytes = std::as_bytes(std::span(items));
     messages.emplace_back(bytes.begin(), bytes.end());
   }
+  return items_of<Item>(exchange(std::move(messages)));
+}
+
+template <class Item>
+std::vector<std::vector<Item>> Ranks::items_of(const std::vector<Message>& messages) {
   std::vector<std::vector<Item>> in;
-  for (const Message& message : exchange(std::move(messages))) {
+  for (const Message& message : messages) {
     if (message.size() % sizeof(Item) != 0) throw Error("a message of another kind than expected");
     std::vector<Item>& items = in.emplace_back(message.size() / sizeof(Item));
     if (!items.empty()) std::memcpy(static_cast<void*>(items.data()), message.data(), message.size());

@@ -15,23 +15,66 @@ namespace {
 
 const LocalRanksConfig impatient{.timeout_seconds = 0.2};
 
+// Between all ranks at once, or by way of others.
 TEST(Ranks, ExchangeMessagesOfAnySize) {
-  for (const int count : {1, 2, 3, 8})
+  for (const int count : {1, 2, 3, 5, 7, 8, 9, 11, 12, 16, 23})
+    for (const int most_direct : {0, count})
+      run_local_ranks(count, [&](Transport& transport) {
+        Ranks ranks(transport, most_direct);
+        for (std::uint32_t round = 0; round < 3; ++round) {
+          ByRank<std::uint32_t> out = by_rank<std::uint32_t>(ranks);
+          const auto items = [&](int from, int to) {
+            return std::vector(static_cast<std::size_t>(from * to) % 7,
+                               static_cast<std::uint32_t>(from + 100 * to) + round);
+          };
+          for (int to = 0; to < count; ++to) out[static_cast<std::size_t>(to)] = items(ranks.rank(), to);
+          const ByRank<std::uint32_t> in = ranks.exchange(out);
+          for (int from = 0; from < count; ++from)
+            EXPECT_EQ(in[static_cast<std::size_t>(from)], items(from, ranks.rank())) << from << " of " << count;
+        }
+        EXPECT_EQ(ranks.traffic().rounds, 3u);
+        EXPECT_EQ(ranks.traffic().bytes_sent == 0, count == 1);
+        if (most_direct == count) {
+          EXPECT_EQ(ranks.traffic().messages_sent, 3u * static_cast<std::uint64_t>(count - 1));
+        } else if (count == 16) {
+          EXPECT_EQ(ranks.traffic().messages_sent, 3u * 6u);
+        }
+      });
+}
+
+TEST(Ranks, KnowWhatAllOthersKnow) {
+  for (const int count : {1, 2, 3, 4, 5, 6, 7, 8, 13})
     run_local_ranks(count, [&](Transport& transport) {
       Ranks ranks(transport);
-      ByRank<std::uint32_t> out = by_rank<std::uint32_t>(ranks);
-      for (int to = 0; to < count; ++to)
-        out[static_cast<std::size_t>(to)].assign(static_cast<std::size_t>(ranks.rank() * to), std::uint32_t(to));
-      const ByRank<std::uint32_t> in = ranks.exchange(out);
-      for (int from = 0; from < count; ++from)
-        EXPECT_EQ(
-            in[static_cast<std::size_t>(from)],
-            std::vector<std::uint32_t>(static_cast<std::size_t>(from * ranks.rank()), std::uint32_t(ranks.rank())));
+      const auto own = [](int rank) { return std::vector(static_cast<std::size_t>(rank % 3), rank); };
+      const std::vector<std::vector<int>> lists = ranks.gather_lists(own(ranks.rank()));
+      ASSERT_EQ(lists.size(), static_cast<std::size_t>(count));
+      for (int rank = 0; rank < count; ++rank) EXPECT_EQ(lists[static_cast<std::size_t>(rank)], own(rank));
       EXPECT_EQ(ranks.sum(std::uint64_t(ranks.rank())), std::uint64_t(count * (count - 1) / 2));
       EXPECT_EQ(ranks.maximum(7 + std::uint64_t(ranks.rank())), std::uint64_t(6 + count));
-      EXPECT_EQ(ranks.traffic().rounds, 3u);
-      EXPECT_EQ(ranks.traffic().bytes_sent == 0, count == 1);
+      EXPECT_EQ(ranks.any(ranks.rank() == count - 1), true);
+      EXPECT_EQ(ranks.any(false), false);
+      const Message told =
+          ranks.from_first(Message(static_cast<std::size_t>(5 + ranks.rank()), std::byte(ranks.rank())));
+      EXPECT_EQ(told, Message(5, std::byte{0}));
+      EXPECT_EQ(ranks.traffic().rounds, 6u);
+      EXPECT_TRUE(count != 8 || ranks.traffic().messages_sent <= 5 * 3 + 3);
     });
+}
+
+TEST(Ranks, TheFirstHearsOfAllOthers) {
+  for (const int count : {1, 2, 3, 6, 8, 13}) {
+    std::atomic<int> told{0};
+    run_local_ranks(count, [&](Transport& transport) {
+      Ranks ranks(transport);
+      if (ranks.rank() > 0) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(ranks.rank()));
+        ++told;
+      }
+      ranks.tell_first();
+      EXPECT_TRUE(ranks.rank() > 0 || told == count - 1);
+    });
+  }
 }
 
 TEST(Ranks, ExchangeInPiecesKeepsTheOrderOfEachRank) {
@@ -119,7 +162,7 @@ void run_with_fault(const std::function<bool(Message&)>& fault) {
       3,
       [](Transport& transport) {
         Ranks ranks(transport);
-        for (std::uint64_t i = 0; i < 4; ++i) (void)ranks.sum(i);
+        for (std::uint64_t i = 0; i < 4; ++i) (void)ranks.exchange(ByRank<std::uint64_t>(3, {i}));
       },
       config);
 }
