@@ -1,4 +1,6 @@
 // The `lodestone-mpi` command, as mpirun or srun starts it in each process of a job.
+#include <csignal>
+
 #include "experiments/commands/command.h"
 #include "experiments/commands/parser.h"
 #include "experiments/mpi/build_job.h"
@@ -13,7 +15,9 @@ int run_commands(int argc, char** argv) {
   install_signal_handlers();
   set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
   const int status = run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
-  set_interrupt_line("");  // the launcher ends all processes when the first has ended with an error
+  // The launcher ends all processes when the first has ended with an error: the others end with theirs.
+  set_interrupt_line("");
+  if (status != 0) std::signal(SIGTERM, SIG_IGN);
   return status;
 }
 

@@ -62,6 +62,19 @@ def until(condition, what, timeout=30.0):
     return value
 
 
+def processes_in(folder, are_meant):
+    """Numbers of the processes that work in a folder and whose command line, a list of words, is meant."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and are_meant(os.fsdecode((entry / "cmdline").read_bytes()).split("\0")) and (
+                    (entry / "cwd").resolve() == pathlib.Path(folder).resolve()):
+                found.append(int(entry.name))
+        except OSError:
+            pass  # it has ended meanwhile
+    return found
+
+
 class FolderCase(unittest.TestCase):
     """Each test works in an empty folder of its own."""
 

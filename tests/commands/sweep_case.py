@@ -2,13 +2,12 @@
 
 import json
 import os
-import pathlib
 import re
 import signal
 import subprocess
 
 import command_case
-from command_case import CommandCase
+from command_case import CommandCase, processes_in
 
 HEAD = 'name = "test"\n[data]\ntiny = { generate = "box", triangles = 12 }\n'
 
@@ -30,16 +29,8 @@ def end_quietly(process):
 
 
 def children_in(folder):
-    """Processes at work in a folder, by the arguments of runs."""
-    found = []
-    for entry in pathlib.Path("/proc").iterdir():
-        try:
-            if entry.name.isdigit() and b"sweep-run" in (entry / "cmdline").read_bytes() and (
-                    (entry / "cwd").resolve() == pathlib.Path(folder).resolve()):
-                found.append(int(entry.name))
-        except OSError:
-            pass  # it has ended meanwhile
-    return found
+    """Processes at work in a folder on runs."""
+    return processes_in(folder, lambda words: "sweep-run" in words)
 
 
 class SweepCase(CommandCase):

@@ -5,19 +5,16 @@ import json
 import os
 import pathlib
 import shutil
-import signal
-import socket
 import subprocess
-import time
 import unittest
 
 import command_case
 from command_case import model
+from slurm_case import OUR_CHILD, SlurmCase
 from sweep_case import HEAD, SweepCase, section
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CLUSTER = ROOT / "experiments/cluster"
-OUR_CHILD = ["setpriv", "--pdeathsig", "TERM"]  # ends with this process, however that ends
 SWEEP = HEAD + section("x = [1, 2, 3, 4, 5, 6]", "repetitions = 2")
 
 
@@ -83,102 +80,8 @@ class Locally(ClusterCase):
         self.assertIn("--config sweep=... is missing", output)
 
 
-class Slurm:
-    """munged, slurmctld and slurmd of one node on the loopback device, in a folder, as root."""
-
-    def __init__(self, folder):
-        self.folder = pathlib.Path(folder)
-        self.daemons = []
-        self.environment = {"SLURM_CONF": str(self.folder / "slurm.conf")}
-
-    @staticmethod
-    def missing():
-        """Why there can be none here; empty: there can."""
-        programs = [name for name in ("munged", "slurmctld", "slurmd", "sbatch", "scontrol", "sinfo", "setpriv")
-                    if not shutil.which(name, path=os.environ.get("PATH", "") + ":/usr/sbin:/sbin")]
-        if programs:
-            return f"not installed: {', '.join(programs)} (scripts/setup)"
-        return "" if os.geteuid() == 0 else "slurmd needs root"
-
-    def start(self):
-        for name in ("state", "spool", "munge"):
-            (self.folder / name).mkdir()
-        (self.folder / "munge").chmod(0o711)
-        key = self.folder / "munge/key"
-        key.write_bytes(os.urandom(1024))
-        key.chmod(0o400)
-        host = socket.gethostname().split(".")[0]
-        (self.folder / "slurm.conf").write_text(self.configuration(host))
-        munge = self.folder / "munge"
-        self.run_daemon("munged", "--foreground", "--force", f"--key-file={key}", f"--socket={munge}/socket",
-                        f"--pid-file={munge}/pid", f"--log-file={munge}/log", f"--seed-file={munge}/seed")
-        self.wait_until(lambda: (munge / "socket").exists())
-        self.run_daemon("slurmctld", "-D", "-f", self.folder / "slurm.conf")
-        self.run_daemon("slurmd", "-D", "-f", self.folder / "slurm.conf", "-N", host)
-        self.wait_until(lambda: b"idle" in self.ask("sinfo", "--noheader", "--format=%t"))
-
-    def configuration(self, host):
-        ports = []
-        for _ in range(2):
-            with socket.socket() as free:
-                free.bind(("127.0.0.1", 0))
-                ports.append(free.getsockname()[1])
-        lines = {"ClusterName": "lodestone", "SlurmctldHost": f"{host}(127.0.0.1)", "SlurmUser": "root",
-                 "AuthType": "auth/munge", "AuthInfo": f"socket={self.folder}/munge/socket", "CredType": "cred/munge",
-                 "SlurmctldPort": ports[0], "SlurmdPort": ports[1], "StateSaveLocation": self.folder / "state",
-                 "SlurmdSpoolDir": self.folder / "spool", "SlurmctldPidFile": self.folder / "slurmctld.pid",
-                 "SlurmdPidFile": self.folder / "slurmd.pid", "ProctrackType": "proctrack/linuxproc",
-                 "TaskPlugin": "task/none", "JobAcctGatherType": "jobacct_gather/none",
-                 "AccountingStorageType": "accounting_storage/none", "SelectType": "select/cons_tres",
-                 "SelectTypeParameters": "CR_CPU", "MpiDefault": "none", "SwitchType": "switch/none",
-                 "ReturnToService": 2, "SchedulerParameters": "sched_interval=1,batch_sched_delay=0",
-                 "NodeName": f"{host} NodeAddr=127.0.0.1 CPUs=2 RealMemory=1024 State=UNKNOWN",
-                 "PartitionName": f"all Nodes={host} Default=YES MaxTime=INFINITE State=UP OverSubscribe=FORCE:4"}
-        return "".join(f"{key}={value}\n" for key, value in lines.items())
-
-    def run_daemon(self, *command):
-        """In the foreground."""
-        path = {**os.environ, "PATH": os.environ.get("PATH", "") + ":/usr/sbin:/sbin", **self.environment}
-        with open(self.folder / f"{command[0]}.out", "wb") as log:
-            self.daemons.append(subprocess.Popen([*OUR_CHILD, *map(str, command)], stdout=log, stderr=log, env=path,
-                                                 start_new_session=True))
-
-    def ask(self, *command):
-        return subprocess.run(command, capture_output=True, timeout=30, check=False,
-                              env={**os.environ, **self.environment}).stdout
-
-    def wait_until(self, holds):
-        end = time.monotonic() + 40
-        while not holds():
-            if time.monotonic() > end or any(daemon.poll() is not None for daemon in self.daemons):
-                logs = "".join(path.read_text(errors="replace")[-1500:] for path in sorted(self.folder.glob("*.out")))
-                raise RuntimeError(f"Slurm does not start here: {logs}")
-            time.sleep(0.2)
-
-    def stop(self):
-        self.ask("scancel", "--user=root", "--signal=KILL")
-        for daemon in reversed(self.daemons):
-            daemon.send_signal(signal.SIGTERM)
-            try:
-                daemon.wait(timeout=10)
-            except subprocess.TimeoutExpired:
-                daemon.kill()
-                daemon.wait(timeout=10)
-
-
 @unittest.skipUnless(shutil.which("snakemake"), "snakemake is not installed (scripts/setup)")
-@unittest.skipIf(Slurm.missing(), Slurm.missing())
-class OnSlurm(ClusterCase):
-    def setUp(self):
-        super().setUp()
-        (self.folder / "slurm").mkdir()
-        self.slurm = Slurm(self.folder / "slurm")
-        self.addCleanup(self.slurm.stop)
-        try:
-            self.slurm.start()
-        except (RuntimeError, OSError) as error:
-            self.skipTest(str(error))
-
+class OnSlurm(SlurmCase, ClusterCase):
     def test_shards_are_jobs(self):
         self.write("sweep.toml", SWEEP)
         output = self.check_snakemake("--profile", CLUSTER / "slurm", "--latency-wait", "10", memory=100, minutes=5,

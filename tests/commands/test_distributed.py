@@ -1,17 +1,21 @@
-"""lodestone-mpi under its launcher: the bytes of lodestone build, figures of every rank, and ranks that end early.
+"""lodestone-mpi under its launcher and on Slurm: the bytes of lodestone build, figures of every rank, and ranks that
+end early.
 usage: LODESTONE_MPI=PROGRAM LAUNCHER=mpirun test_distributed.py PROGRAM"""
 
 import json
 import os
 import signal
 import subprocess
+import unittest
 
 import command_case
-from command_case import FILE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, until
+from command_case import FILE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
+from slurm_case import SlurmCase
 
 # Open MPI: more ranks than processors, also as root in a container.
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+SCRIPT = SOURCE / "experiments/cluster/lodestone-mpi.sbatch"
 SCAN = SOURCE / "build/data/scans/lucy100k.ply"
 TILES = SOURCE / "build/data/textured/komaba_tiles_022"
 
@@ -25,7 +29,24 @@ def command(ranks, *arguments):
     return [os.environ["LAUNCHER"], "-n", str(ranks), os.environ["LODESTONE_MPI"], "build", *map(str, arguments)]
 
 
-class Distributed(CommandCase):
+class DistributedCase(CommandCase):
+    def assert_refused(self, done, status, *words):
+        """With one line of the program, whatever the launcher adds, and no output."""
+        self.assertEqual(done.returncode, status, done.stderr)
+        lines = [line for line in done.stderr.splitlines() if line.startswith("lodestone")]
+        self.assertEqual(len(lines), 1, done.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(self.listing(), {})
+
+    def kill_one(self, ranks):
+        """When there are so many ranks in the folder."""
+        program = os.environ["LODESTONE_MPI"]
+        pids = until(lambda: processes_in(self.folder, lambda words: words[0] == program)[ranks - 1:], f"{ranks} ranks")
+        os.kill(pids[0], signal.SIGKILL)
+
+
+class UnderLauncher(DistributedCase):
     def job(self, ranks, *arguments):
         return subprocess.run(command(ranks, *arguments), cwd=self.folder, capture_output=True, timeout=300, text=True,
                               env=ENVIRONMENT, check=False)
@@ -35,15 +56,6 @@ class Distributed(CommandCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(set(self.listing()), {"m.lode", "m.json"})
         return (self.folder / "m.lode").read_bytes(), json.loads((self.folder / "m.json").read_text())
-
-    def assert_refused(self, done, status, *words):
-        """With one line of the program, whatever the launcher adds, and no output."""
-        self.assertEqual(done.returncode, status, done.stderr)
-        lines = [line for line in done.stderr.splitlines() if line.startswith("lodestone")]
-        self.assertEqual(len(lines), 1, done.stderr)
-        for word in words:
-            self.assertIn(word, lines[0])
-        self.assertEqual(self.listing(), {})
 
     def test_same_bytes_for_any_ranks_and_threads(self):
         expected = model("expected.lode", "build", surface(), "--no-attributes").read_bytes()
@@ -88,21 +100,61 @@ class Distributed(CommandCase):
 
     def test_a_rank_that_is_killed_ends_the_job_without_a_file(self):
         with subprocess.Popen(command(3, "--generate", "sphere:20e6", "-o", "m.lode", "--threads", 1, "--quiet"),
-                              cwd=self.folder, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT) as job:
-            children = f"/proc/{job.pid}/task/{job.pid}/children"
-            ranks = until(lambda: [pid for pid in self.read(children).split() if self.is_rank(pid)][2:], "3 ranks")
-            os.kill(int(ranks[0]), signal.SIGKILL)
+                              cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              env=ENVIRONMENT) as job:
+            self.kill_one(3)
             self.assertNotEqual(job.wait(60), 0)
-            self.assertIn("signal 9", job.stderr.read())
+            self.assertIn("signal 9", job.stdout.read())
         self.assertEqual(self.listing(), {})
 
-    @staticmethod
-    def read(path):
-        with open(path, encoding="utf-8") as file:
-            return file.read()
 
-    def is_rank(self, pid):
-        return self.read(f"/proc/{pid}/cmdline").startswith(os.environ["LODESTONE_MPI"])
+class OnSlurm(SlurmCase, DistributedCase):
+    """Two nodes, which are one machine."""
+
+    nodes = 2
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.environment = {**ENVIRONMENT, **cls.slurm.environment}
+        for plugin in ("pmix", "pmi2"):  # of Open MPI, of MPICH
+            cls.environment["SLURM_MPI_TYPE"] = plugin
+            if cls.srun(2, "--version", cwd=None).stdout.count("\n") == 1:  # one job, not two of one rank
+                return
+        raise unittest.SkipTest("Slurm has no plugin that starts this MPI")
+
+    @classmethod
+    def srun(cls, ranks, *arguments, cwd):
+        return subprocess.run(["srun", "--nodes=2", f"--ntasks={ranks}", "--kill-on-bad-exit=1",
+                               os.environ["LODESTONE_MPI"], *map(str, arguments)], cwd=cwd, capture_output=True,
+                              timeout=60, text=True, env=cls.environment, check=False)
+
+    def batch(self, *arguments):
+        """The script as a job; its log is m.txt."""
+        return subprocess.Popen(["sbatch", "--wait", "--quiet", "--cpus-per-task=2", "--mem=500M", "--output=m.txt", SCRIPT,
+                                 *map(str, arguments)], cwd=self.folder, env=self.environment)
+
+    def test_the_same_bytes(self):
+        expected = model("expected.lode", "build", surface(), "--no-attributes").read_bytes()
+        done = self.srun(3, "build", surface(), "--no-attributes", "-o", "m.lode", "--threads", 1, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("by 3 ranks of 1 threads", done.stdout)
+        self.assertTrue((self.folder / "m.lode").read_bytes() == expected)
+        with self.batch(surface(), "--no-attributes", "-o", "b.lode") as job:
+            self.assertEqual(job.wait(60), 0)
+        self.assertIn("by 2 ranks of 2 threads", (self.folder / "m.txt").read_text())
+        self.assertTrue((self.folder / "b.lode").read_bytes() == expected)
+
+    def test_an_error_is_one_line(self):
+        self.assert_refused(self.srun(2, "build", "missing.ply", "-o", "m.lode", cwd=self.folder), FILE,
+                            "rank 0 on ", "missing.ply: cannot open")
+
+    def test_a_rank_that_is_killed_ends_the_job_of_the_script(self):
+        with self.batch("--generate", "sphere:20e6", "-o", "m.lode", "--quiet") as job:
+            self.kill_one(2)
+            self.assertNotEqual(job.wait(60), 0)
+        self.assertIn("Killed", (self.folder / "m.txt").read_text())
+        self.assertEqual(set(self.listing()), {"m.txt"})
 
 
 if __name__ == "__main__":
