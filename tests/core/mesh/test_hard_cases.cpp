@@ -67,6 +67,8 @@ TEST(HardCases, HaveWhatTheyAreNamedAfter) {
 TEST(HardCases, PolygonsThatAreNotConvexAreCutWithinThemselves) {
   for (const char* name : {"comb", "spiral"}) {
     const PolygonMesh polygon = hard_case(name).make(most);
+    EXPECT_EQ(polygon.corners.size(), most) << name;
+    EXPECT_EQ(polygon.corners.size(), polygon.positions.size()) << name;
     double area = 0;  // twice that of the polygon
     for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
       const Vec3d a = polygon.positions[polygon.corners[k]],

@@ -32,6 +32,7 @@ TEST(FillHoles, DisksOfAnySizeBecomeSpheres) {
     EXPECT_EQ(filled.loops, 1u);
     EXPECT_EQ(filled.triangles, surface.triangles.size() - n);
     EXPECT_LE(filled.triangles, 4 * n);
+    EXPECT_EQ(filled.triangles == n, n <= 12) << n;  // a fan without a ring
     EXPECT_TRUE(is_sphere(surface)) << n;
     EXPECT_EQ(surface.source_triangle.size(), surface.triangles.size());
     EXPECT_EQ(surface.source_vertex.size(), surface.positions.size());

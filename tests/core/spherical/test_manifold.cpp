@@ -26,6 +26,30 @@ std::vector<Vec3d> points(std::size_t count) {
   return result;
 }
 
+// An edge is halved where there is another one between its ends, which is left whole, or where two triangles share all
+// their sides.
+void expect_reason_for_halving(const Surface& surface, const IndexedMesh& mesh,
+                               const std::set<std::pair<Id, Id>>& sides, Id middle) {
+  const auto [a, b] = surface.source_vertex[middle];
+  std::vector<Id> ends;
+  std::set<Triangle, bool (*)(const Triangle&, const Triangle&)> around(
+      [](const Triangle& s, const Triangle& t) { return s.v < t.v; });
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& v = surface.triangles[t].v;
+    if (std::ranges::find(v, middle) == v.end()) continue;
+    Triangle source = mesh.triangles[surface.source_triangle[t]];
+    std::ranges::sort(source.v);
+    around.insert(source);
+    for (const Id corner : v) {
+      const SourceVertex of = surface.source_vertex[corner];
+      if (!of.is_middle() && (of.a == a || of.a == b) && std::ranges::find(ends, corner) == ends.end())
+        ends.push_back(corner);
+    }
+  }
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_TRUE(sides.contains({ends[0], ends[1]}) || sides.contains({ends[1], ends[0]}) || around.size() == 1);
+}
+
 // Checks all that make_manifold promises.
 void expect_manifold(const Manifold& manifold, const IndexedMesh& mesh) {
   const Surface& surface = manifold.surface;
@@ -48,6 +72,7 @@ void expect_manifold(const Manifold& manifold, const IndexedMesh& mesh) {
     const auto [a, b] = surface.source_vertex[v];
     if (a == no_source) continue;
     EXPECT_EQ(surface.positions[v], 0.5 * (to_double(mesh.positions[a]) + to_double(mesh.positions[b])));
+    if (surface.source_vertex[v].is_middle()) expect_reason_for_halving(surface, mesh, sides, static_cast<Id>(v));
   }
   std::set<Id> sources(surface.source_triangle.begin(), surface.source_triangle.end());
   EXPECT_EQ(sources.size(), mesh.triangles.size());  // none is lost
