@@ -7,7 +7,7 @@ function(compress file)
   execute_process(COMMAND gzip --best --no-name --force "${file}" COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-foreach(pair program:lodestone development:lodestone-dev python:python3-lodestone)
+foreach(pair program:lodestone development:lodestone-dev distributed:lodestone-mpi python:python3-lodestone)
   string(REGEX MATCH "^(.*):(.*)$" ignored ${pair})
   set(package ${CMAKE_MATCH_2})
   set(share ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/${CMAKE_MATCH_1}/usr/share)

@@ -1,8 +1,8 @@
-# `cmake --install` gives three components. `program`: the command with its manual, its completions, the report's package
+# `cmake --install` gives four components. `program`: the command with its manual, its completions, the report's package
 # and the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets
 # lodestone::runtime, ::core, ::parallel, ::render and ::experiments, each with its own dependencies alone, and the
-# public headers below include/lodestone. `python`, where it is built: lodestone and lodestone_report, for Python
-# (python/CMakeLists.txt).
+# public headers below include/lodestone. `distributed`, where MPI is found: lodestone-mpi, and its script for Slurm.
+# `python`, where it is built: lodestone and lodestone_report, for Python (python/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 include(LodestoneDependencies)
 
@@ -58,5 +58,9 @@ if(LODESTONE_EXPERIMENTS)
   install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallManual.cmake COMPONENT program)
   install(CODE "lodestone_install_manual(\"$<TARGET_FILE:lodestone>\" \"${CMAKE_INSTALL_MANDIR}\" \"${CMAKE_INSTALL_DATADIR}\")"
           COMPONENT program)
+endif()
+if(TARGET lodestone-mpi)
+  install(TARGETS lodestone-mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT distributed)
+  install(FILES experiments/cluster/lodestone-mpi.sbatch DESTINATION ${CMAKE_INSTALL_DATADIR}/lodestone COMPONENT distributed)
 endif()
 install(FILES README.md CHANGELOG.md NOTICE.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

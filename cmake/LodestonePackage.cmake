@@ -1,5 +1,6 @@
 # `cpack` in the build folder makes lodestone_VERSION_ARCH.deb (the program), lodestone-dev_VERSION_ARCH.deb (the
-# libraries) and python3-lodestone_VERSION_ARCH.deb. `cpack --config CPackSourceConfig.cmake` makes a tarball of what is committed.
+# libraries), lodestone-mpi_VERSION_ARCH.deb and python3-lodestone_VERSION_ARCH.deb, of what is built. `cpack --config
+# CPackSourceConfig.cmake` makes a tarball of what is committed.
 set(CPACK_PACKAGE_NAME lodestone)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_VENDOR "The Lodestone authors")
@@ -10,6 +11,9 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL program development)
+if(TARGET lodestone-mpi)
+  list(APPEND CPACK_COMPONENTS_ALL distributed)
+endif()
 if(lodestone_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -34,6 +38,12 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ${BUILD_SHARED_LIBS})
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries and headers
  The libraries core, parallel, render and experiments of Lodestone, with
  files for find_package of CMake and for pkg-config.")
+set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_NAME lodestone-mpi)
+set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_DISTRIBUTED_PACKAGE_RECOMMENDS "openmpi-bin")
+set(CPACK_COMPONENT_DISTRIBUTED_DESCRIPTION "command for the processes of an MPI job
+ Builds levels of detail by several machines, to the bytes of one, for models
+ that do not fit its memory.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lodestone)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python package

@@ -67,6 +67,15 @@ class Packages(unittest.TestCase):
         self.assertEqual((self.root / "page/page.js").read_text(), "the installed page")
         self.assertTrue((self.root / "page/models/p.lpm").is_file())
 
+    def test_hold_the_command_of_mpi_jobs(self):
+        if "lodestone-mpi" not in self.names:
+            self.skipTest("lodestone-mpi is not built")
+        self.assertIn("libopenmpi", run("dpkg-deb", "-f", package("lodestone-mpi"), "Depends"))
+        root = self.root / "lodestone-mpi/usr"
+        run(root / "bin/lodestone-mpi", "build", "--generate", "sphere:2000", "-o", "mpi.lode", cwd=self.root)
+        self.assertIn("valid", run(self.program, "verify", "mpi.lode", cwd=self.root))
+        self.assertTrue((root / "share/lodestone/lodestone-mpi.sbatch").is_file())
+
     def test_hold_a_package_for_python(self):
         if "python3-lodestone" not in self.names:
             self.skipTest("the Python package is not built")
