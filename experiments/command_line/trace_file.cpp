@@ -19,7 +19,7 @@ Json arguments_of(const TraceEvent& event) {
 }
 
 // Arrows from the end of each task that was waited for to the begin of the one that waited.
-void add_arrows(const std::vector<TraceEvent>& events, Json& list) {
+void add_arrows(const std::vector<TraceEvent>& events, int process, Json& list) {
   std::map<std::pair<std::uint32_t, std::uint64_t>, const TraceEvent*> tasks;
   for (const TraceEvent& e : events)
     if (e.in_graph) tasks[{e.call, e.index}] = &e;
@@ -28,7 +28,7 @@ void add_arrows(const std::vector<TraceEvent>& events, Json& list) {
     for (const std::uint32_t before : e->after) {
       const auto from = tasks.find({e->call, before});
       if (from == tasks.end()) continue;  // its run ended in an error
-      Json arrow{{"name", "needs"}, {"cat", "graph"}, {"pid", 1}, {"id", ++arrows}};
+      Json arrow{{"name", "needs"}, {"cat", "graph"}, {"pid", process}, {"id", ++arrows}};
       arrow.update({{"ph", "s"}, {"tid", from->second->worker}, {"ts", from->second->end * 1e6}});
       list.push_back(arrow);
       arrow.update({{"ph", "f"}, {"bp", "e"}, {"tid", e->worker}, {"ts", e->begin * 1e6}});
@@ -38,28 +38,38 @@ void add_arrows(const std::vector<TraceEvent>& events, Json& list) {
 
 }  // namespace
 
-void write_trace(const Trace& trace, const std::string& path) {
+Json trace_events(const Trace& trace, int process, const std::string& name, const std::vector<std::string>& others) {
   Json events = Json::array();
-  for (int worker = 0; worker < trace.workers(); ++worker)
-    events.push_back({{"name", "thread_name"},
-                      {"ph", "M"},
-                      {"pid", 1},
-                      {"tid", worker},
-                      {"args", {{"name", "worker " + std::to_string(worker)}}}});
+  const auto entitle = [&](const char* what, int thread, const std::string& title) {
+    events.push_back({{"name", what}, {"ph", "M"}, {"pid", process}, {"tid", thread}, {"args", {{"name", title}}}});
+  };
+  if (!name.empty()) entitle("process_name", 0, name);
+  const int workers = trace.workers() - static_cast<int>(others.size());
+  for (int thread = 0; thread < trace.workers(); ++thread)
+    entitle("thread_name", thread,
+            thread < workers ? "worker " + std::to_string(thread) : others[static_cast<std::size_t>(thread - workers)]);
   const std::vector<TraceEvent> ran = trace.events();
   for (const TraceEvent& e : ran)
     events.push_back({{"name", e.name},
                       {"ph", "X"},
-                      {"pid", 1},
+                      {"pid", process},
                       {"tid", e.worker},
                       {"ts", e.begin * 1e6},
                       {"dur", (e.end - e.begin) * 1e6},
                       {"args", arguments_of(e)}});
-  add_arrows(ran, events);
+  add_arrows(ran, process, events);
+  return events;
+}
+
+void write_trace_events(Json&& events, const std::string& path) {
   const std::string text = Json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}.dump();
   AtomicFile file(path);
   file.write(std::as_bytes(std::span(text)));
   file.commit();
+}
+
+void write_trace(const Trace& trace, const std::string& path) {
+  write_trace_events(trace_events(trace, 1, {}, {}), path);
 }
 
 }  // namespace lodestone

@@ -12,6 +12,7 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/cost/cost.h"
+#include "experiments/mpi/rank_trace.h"
 #include "experiments/subjects/build.h"
 #include "parallel/distributed/build_distributed.h"
 #include "parallel/distributed/generated_stream.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct JobOptions {
   std::vector<std::string> inputs;
-  std::string generator, output;
+  std::string generator, output, trace;
   InputOptions reading;
   float sigma0 = BuildConfig{}.sigma0;
   std::uint32_t cell_triangles = BuildConfig{}.cell_triangles;
@@ -63,16 +64,26 @@ RankInput open_input(const JobOptions& options, Ranks& ranks, Scheduler& schedul
   return open_rank_input(files, reading, ranks, scheduler);
 }
 
+void check_outputs(const JobOptions& options, const CommonOptions& common) {
+  std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
+  if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
+  check_files(common, file_arguments("IN", options.inputs), outputs);
+}
+
 JobReport run_job(const JobOptions& options, const CommonOptions& common, Transport& transport) {
-  if (transport.rank() == 0)
-    check_files(common, file_arguments("IN", options.inputs), {{"--output", options.output, ".lode"}});
+  if (transport.rank() == 0) check_outputs(options, common);
   Ranks ranks(transport);
-  const std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
+  std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
+  RankTrace trace(options.trace, ranks, scheduler);
   DistributedConfig config = config_of(options);
   Progress progress("reading", common.quiet || transport.rank() != 0);
-  config.on_stage = [&](const std::string& stage) { progress.phase(stage); };
+  config.on_stage = [&](const std::string& stage) {
+    progress.phase(stage);
+    trace.begin_stage(stage);
+  };
   JobReport report;
   config.last_words = [&] {
+    trace.gather();
     report.peak_bytes = ranks.gather(peak_resident_bytes());
     for (const std::vector<char>& host :
          ranks.gather_lists(std::vector<char>(transport.host().begin(), transport.host().end())))
@@ -84,6 +95,7 @@ JobReport run_job(const JobOptions& options, const CommonOptions& common, Transp
   report.time = clock.elapsed();
   report.peak_bytes[static_cast<std::size_t>(transport.rank())] = peak_resident_bytes();
   report.threads = scheduler->workers();
+  if (transport.rank() == 0) trace.write();
   return report;
 }
 
@@ -104,7 +116,8 @@ Json to_json(const RankStage& stage) {
   json.update({{"bytes_sent", stage.traffic.bytes_sent},
                {"bytes_received", stage.traffic.bytes_received},
                {"messages_sent", stage.traffic.messages_sent},
-               {"rounds", stage.traffic.rounds}});
+               {"rounds", stage.traffic.rounds},
+               {"waited_seconds", stage.traffic.waited_seconds}});
   return json;
 }
 
@@ -128,6 +141,16 @@ std::uint64_t bytes_sent(const JobReport& report) {
   return sum;
 }
 
+// The part of the ranks' time in which they waited for messages.
+double waited_share(const JobReport& report) {
+  double waited = 0, all = 0;
+  for (const RankReport& rank : report.result.ranks) {
+    waited += rank.total().traffic.waited_seconds;
+    all += rank.total().time.seconds;
+  }
+  return all > 0 ? waited / all : 0;
+}
+
 Json to_json(const JobReport& report, const JobOptions& options) {
   const Hierarchy& hierarchy = report.result.tables;
   const std::vector<RankReport>& ranks = report.result.ranks;
@@ -149,6 +172,7 @@ Json to_json(const JobReport& report, const JobOptions& options) {
           {"threads", report.threads},
           {"bytes_sent", bytes_sent(report)},
           {"rounds", ranks.front().total().traffic.rounds},
+          {"waited_share", waited_share(report)},
           {"imbalance",
            {{"triangles", imbalance_of(ranks, [](const RankReport& r) { return r.triangles; })},
             {"cpu_seconds", imbalance_of(ranks, [](const RankReport& r) { return r.total().time.cpu_seconds; })},
@@ -190,6 +214,9 @@ OptionTable declare(JobOptions& o) {
           .of_type("BITS"),
       {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
       {"--placement", &o.placement, "optimal or endpoint"},
+      {"--trace", &o.trace,
+       "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
+       "ui.perfetto.dev (.json)"},
       OptionSpec{"--timeout", &o.timeout,
                  "Time that a process waits for a message of another one before it ends the job"}
           .between(1, 1e6)

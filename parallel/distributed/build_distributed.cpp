@@ -39,7 +39,7 @@ class Stages {
 
   template <class Work>
   auto run(const char* label, const Work& work) {
-    if (config_.on_stage && ranks_.rank() == 0) config_.on_stage(label);
+    if (config_.on_stage) config_.on_stage(label);
     scheduler_.name_work(distributed_stages[next_]);
     clock_ = CpuClock();
     before_ = ranks_.traffic();

@@ -21,7 +21,7 @@ struct DistributedConfig {
   BuildConfig build{};             // not: strategy, refine, order_cells, progress
   std::filesystem::path output{};  // the .lode file, in a folder that all machines share
   Lattice lattice{};               // none, or one
-  // Called by rank 0 at the start of each stage, with its name for people.
+  // Called by all ranks at the start of each stage, with its name for people.
   std::function<void(const std::string&)> on_stage{};
   // Called by all ranks when the file is complete but for what rank 0 writes alone, for the caller's own messages:
   // there are no others after it, so that no rank can fail once the file is there.

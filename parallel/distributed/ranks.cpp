@@ -4,6 +4,7 @@
 #include <string>
 
 #include "parallel/distributed/parcels.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {
@@ -60,7 +61,11 @@ void Ranks::send(int to, const Message& payload) {
 }
 
 Message Ranks::receive(int from) {
+  const Stopwatch clock;
   const Message message = transport_.receive(from);
+  const double waited = clock.seconds();
+  traffic_.waited_seconds += waited;
+  if (on_wait_) on_wait_(waited, from);
   traffic_.bytes_received += message.size();
   Head head{.magic = 0};
   if (message.size() >= sizeof(head)) std::memcpy(&head, message.data(), sizeof(head));

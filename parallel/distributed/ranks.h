@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -20,16 +21,18 @@ namespace lodestone {
 struct Traffic {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   std::uint64_t messages_sent = 0;
-  std::uint64_t rounds = 0;  // calls that all ranks make together
+  std::uint64_t rounds = 0;   // calls that all ranks make together
+  double waited_seconds = 0;  // for messages
 
   Traffic& operator+=(const Traffic& other) {
     bytes_sent += other.bytes_sent, bytes_received += other.bytes_received;
     messages_sent += other.messages_sent, rounds += other.rounds;
+    waited_seconds += other.waited_seconds;
     return *this;
   }
   [[nodiscard]] Traffic since(const Traffic& before) const {
     return {bytes_sent - before.bytes_sent, bytes_received - before.bytes_received,
-            messages_sent - before.messages_sent, rounds - before.rounds};
+            messages_sent - before.messages_sent, rounds - before.rounds, waited_seconds - before.waited_seconds};
   }
 };
 
@@ -42,6 +45,8 @@ class Ranks {
   [[nodiscard]] int count() const { return transport_.ranks(); }
   [[nodiscard]] const std::string& host() const { return transport_.host(); }
   [[nodiscard]] const Traffic& traffic() const { return traffic_; }
+  // Called after each wait for a message, with its length and the rank that it was for.
+  void watch(std::function<void(double seconds, int from)> on_wait) { on_wait_ = std::move(on_wait); }
 
   // One round: out[r] goes to rank r; returns what each rank has sent to this one. Throws Error when a message has
   // another size or belongs to another call than it should.
@@ -77,6 +82,7 @@ class Ranks {
   Transport& transport_;
   int most_direct_;
   Traffic traffic_;
+  std::function<void(double, int)> on_wait_;
   std::uint64_t step_ = 0;  // messages between two ranks within it are of one kind
 };
 

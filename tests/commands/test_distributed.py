@@ -84,6 +84,24 @@ class UnderLauncher(DistributedCase):
         expected = model("terrain.lode", "build", made).read_bytes()
         self.assertTrue(self.built(3, "--generate", "terrain:5e4:5", "--threads", 1)[0] == expected)
 
+    def test_a_trace_has_a_process_for_each_rank(self):
+        done = self.job(2, "--generate", "sphere:2e5", "-o", "m.lode", "--threads", 1, "--trace", "trace.json", "--quiet",
+                        "--json", "m.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        events = json.loads((self.folder / "trace.json").read_text())["traceEvents"]
+        names = {event["pid"]: event["args"]["name"] for event in events if event["name"] == "process_name"}
+        self.assertEqual([names[rank].split(" on ")[0] for rank in (0, 1)], ["rank 0", "rank 1"])
+        figures = json.loads((self.folder / "m.json").read_text())
+        for rank in (0, 1):
+            own = [event for event in events if event["pid"] == rank and event["ph"] == "X"]
+            stages = [event for event in own if event["tid"] == 1]
+            self.assertEqual([stage["name"] for stage in stages], ["reading", "sorting", "sharing", "building", "writing"])
+            waits = sum(event["dur"] for event in own if event["name"] == "wait") * 1e-6
+            self.assertGreater(waits, 0)
+            self.assertLess(waits, figures["ranks"][rank]["waited_seconds"] * 1.01 + 0.001)
+            self.assertTrue(any(event["tid"] == 0 for event in own))
+        self.assertLess(figures["waited_share"], 1)
+
     def test_runs_without_a_launcher(self):
         done = subprocess.run(command(1, "--generate", "sphere:2000", "-o", "m.lode")[3:], cwd=self.folder,
                               capture_output=True, timeout=60, text=True, env=ENVIRONMENT, check=False)
