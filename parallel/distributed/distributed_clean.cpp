@@ -103,7 +103,7 @@ class DistributedCleaning {
         ranks_, own_vertices_,
         [&](std::uint64_t i, const auto& emit) {
           if (states_[i] != VertexState::used) return;
-          emit(rank_of_hash(hash_of(out_.positions[i])),
+          emit(rank_of_hash(hash_of(out_.positions[i]), ranks_),
                {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
         },
         [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
@@ -216,10 +216,6 @@ class DistributedCleaning {
   }
 
  private:
-  [[nodiscard]] int rank_of_hash(std::uint64_t hash) const {
-    return static_cast<int>((hash >> 32) * static_cast<std::uint64_t>(ranks_.count()) >> 32);
-  }
-
   // Items come in any order of their numbers.
   template <class Item>
   [[nodiscard]] std::vector<Repeat> repeats_among(std::vector<Item>& items) {

@@ -25,6 +25,11 @@ void for_pieces(Ranks& ranks, std::uint64_t count, const Body& body) {
     body(std::min(count, round * piece), std::min(count, (round + 1) * piece));
 }
 
+// The rank at which all meet that has this hash.
+[[nodiscard]] inline int rank_of_hash(std::uint64_t hash, const Ranks& ranks) {
+  return static_cast<int>((hash >> 32) * static_cast<std::uint64_t>(ranks.count()) >> 32);
+}
+
 // Lists of items by the rank that they go to.
 template <class Item>
 using ByRank = std::vector<std::vector<Item>>;

@@ -10,8 +10,8 @@
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/construct/cell_table.h"
 #include "core/hierarchy/lode/lode_format.h"
-#include "core/hierarchy/model/find_signatures.h"
 #include "parallel/distributed/pieces.h"
+#include "parallel/distributed/rank_signatures.h"
 #include "parallel/hierarchy/level_table.h"
 #include "parallel/scheduler/runner.h"
 
@@ -29,13 +29,6 @@ struct CellRecord {
 struct CellPlace {
   std::uint64_t offset = 0;  // of the payload
   CellId id;
-};
-
-// A vertex that cells share, as one of them has it.
-struct BorderItem {
-  CellId cell;
-  Vec3f position;
-  float error = 0;
 };
 
 PayloadCounts counts_of_record(const CellRecord& cell, bool short_indices) {
@@ -87,13 +80,20 @@ class Tables {
     }
     for (const Entry& entry : order) counts_.push_back(counts_of_record(*entry.record, false));
     layout_ = plan_lode(head, counts_);
-    for (std::uint32_t c = 0; c < order.size(); ++c)
+    for (std::uint32_t c = 0; c < order.size(); ++c) {
       places_[order[c].rank][order[c].index] = {layout_.cell_offset[c], CellId(c)};
+      owners_.push_back({static_cast<int>(order[c].rank), order[c].record->shared});
+    }
     checksums_.resize(order.size());
   }
 
   [[nodiscard]] const ByRank<CellPlace>& places() const { return places_; }
   [[nodiscard]] const LodeLayout& layout() const { return layout_; }
+  [[nodiscard]] LevelBorders borders(std::size_t l) const {
+    const Level& level = head_.levels[l];
+    const auto first = owners_.begin() + std::uint32_t{level.first_cell};
+    return {&level, {first, first + level.cell_count}};
+  }
   void set_checksum(CellId cell, std::uint64_t checksum) { checksums_[cell] = checksum; }
 
   // Writes all but the payloads; returns the size of the file.
@@ -115,6 +115,7 @@ class Tables {
   LodeLayout layout_;
   std::vector<std::uint64_t> checksums_;
   ByRank<CellPlace> places_;
+  std::vector<LevelBorders::Owner> owners_;  // by cell of the file
 };
 
 class RankSaver {
@@ -151,10 +152,15 @@ class RankSaver {
   }
 
   void find_signatures() {
-    std::optional<SignatureFinder> finder;
-    if (is_first()) finder.emplace(head_, Signatures::most, runner_over(scheduler_));
-    for (std::size_t l = 0; l < level_count_; ++l) gather_level(l, finder ? &*finder : nullptr);
-    if (finder) signatures_.emplace(std::move(*finder).finish());
+    for (std::size_t l = 0; l < level_count_; ++l) {
+      std::vector<RankBorder> own;
+      for (std::size_t i = first_of_level_[l]; i < first_of_level_[l + 1]; ++i) {
+        const CellBuild& cell = *cells_[i].build;
+        own.push_back({places_[i].id, std::span(cell.slab.positions).subspan(cell.first_shared()), cell.border_errors,
+                       cell.error});
+      }
+      add_rank_signatures(own, is_first() ? tables_->borders(l) : LevelBorders(), signatures_, ranks_);
+    }
   }
 
   // Creates the file at rank 0, with room for all payloads, and opens it at the others.
@@ -200,51 +206,13 @@ class RankSaver {
 
   std::uint64_t finish() {
     ranks_.tell_first();
-    return is_first() ? tables_->finish(*signatures_, *file_) : 0;
+    return is_first() ? tables_->finish(signatures_, *file_) : 0;
   }
 
  private:
   [[nodiscard]] bool is_first() const { return ranks_.rank() == 0; }
   [[nodiscard]] std::uint64_t payload_bytes(std::size_t i) const {
     return lode_aligned(plain_bytes(counts_of_record(cells_[i].record(), short_indices_)));
-  }
-
-  // The vertices that cells of a level share go to rank 0.
-  void gather_level(std::size_t level, SignatureFinder* finder) {
-    std::vector<BorderItem> own;
-    for (std::size_t i = first_of_level_[level]; i < first_of_level_[level + 1]; ++i) {
-      const CellBuild& cell = *cells_[i].build;
-      for (std::size_t k = 0; k < cell.slab.shared_ids.size(); ++k)
-        own.push_back({places_[i].id, cell.slab.positions[cell.first_shared() + k],
-                       cell.border_errors.empty() ? 0 : cell.border_errors[k]});
-    }
-    struct Border {
-      std::vector<Vec3f> positions;
-      std::vector<float> errors;
-    };
-    std::vector<Border> borders(finder ? head_.levels[level].cell_count : 0);
-    exchange_in_pieces<BorderItem>(
-        ranks_, own.size(), [&](std::uint64_t i, const auto& emit) { emit(0, own[i]); },
-        [&](int, const std::vector<BorderItem>& some) {
-          for (const BorderItem& item : some) {
-            Border& border = borders[head_.levels[level].rank_of(item.cell)];
-            border.positions.push_back(item.position);
-            if (level + 1 < level_count_) border.errors.push_back(item.error);
-          }
-        });
-    if (!finder) return;
-    std::size_t most = 0;
-    for (const Border& border : borders) most = std::max(most, border.positions.size());
-    const std::vector<std::uint32_t> ids(most, 0);  // signatures follow from positions
-    finder->begin_level();
-    for (CellRank rank{0}; rank < borders.size(); ++rank) {
-      Cell cell;
-      cell.positions = borders[rank].positions;
-      cell.shared_ids = std::span(ids).first(cell.positions.size());
-      cell.border_errors = borders[rank].errors;
-      finder->add(head_.levels[level].id_of(rank), cell);
-    }
-    finder->end_level();
   }
 
   // Cells whose payloads follow each other in the file are written at once, a mebibyte at most or one cell: the first
@@ -278,7 +246,7 @@ class RankSaver {
   std::unique_ptr<AtomicFile> file_;
   // At rank 0.
   std::optional<Tables> tables_;
-  std::optional<Signatures::Table> signatures_;
+  Signatures::Table signatures_;
 };
 
 }  // namespace

@@ -17,7 +17,8 @@ namespace lodestone {
 // provenance) at that rank alone, and creates the file under a temporary name; every rank writes the payloads of its
 // cells where they belong. Then all call last_words(), for their last messages; when none has failed, rank 0 writes the
 // rest and renames the file. Returns its size at rank 0. Memory: a mebibyte for each
-// worker, and at rank 0 some 300 bytes per cell and 45 per shared vertex of the level with the most.
+// worker, and 48 bytes per shared vertex of the level with the most, and at rank 0 some 700 bytes per cell and a byte
+// per shared vertex.
 std::uint64_t save_ranks(const std::vector<CellPart>& levels, Hierarchy& head, const std::filesystem::path& path,
                          const std::function<void()>& last_words, Ranks& ranks, Scheduler& scheduler);
 

@@ -1,0 +1,37 @@
+// Signatures of cells that lie on many ranks: the table of core/hierarchy/model/signatures.h, level by level.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/hierarchy/model/signatures.h"
+#include "parallel/distributed/ranks.h"
+
+namespace lodestone {
+
+// A cell of a level, and its vertices that others share.
+struct RankBorder {
+  CellId cell;
+  std::span<const Vec3f> positions;
+  std::span<const float> errors;  // by vertex; empty: all have cell_error
+  float cell_error = 0;
+};
+
+// At rank 0: a level, and by cell the rank that has it and its number of shared vertices.
+struct LevelBorders {
+  struct Owner {
+    int rank;
+    std::uint32_t shared;
+  };
+  const Level* level = nullptr;
+  std::vector<Owner> owners;
+};
+
+// Called by all ranks for each level from the root, with their cells, ascending. Rank 0 appends the level to the table;
+// the others leave both as they are. Memory: 48 bytes per shared vertex of a share that is as large as the rank's own
+// on average; at rank 0 the sets of the level, a few hundred bytes per cell, and a byte per shared vertex.
+void add_rank_signatures(std::span<const RankBorder> own, const LevelBorders& all, Signatures::Table& table,
+                         Ranks& ranks);
+
+}  // namespace lodestone
