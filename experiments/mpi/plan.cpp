@@ -42,6 +42,7 @@ std::vector<int> parse_ranks(const std::string& text) {
 Json to_json(const LevelPlan& level, std::size_t index) {
   return {{"level", index},
           {"cells", level.cells},
+          {"blocks", level.blocks},
           {"triangles", level.triangles},
           {"busy_ranks", level.busy_ranks},
           {"most_triangles", level.most_triangles},
@@ -58,7 +59,6 @@ Json to_json(const RankPlan& plan) {
   for (std::size_t l = 0; l < plan.levels.size(); ++l) levels.push_back(to_json(plan.levels[l], l));
   return {{"ranks", plan.ranks},
           {"imbalance", plan.imbalance},
-          {"finest_blocks", plan.finest_blocks},
           {"samples", plan.samples},
           {"moved_bytes", plan.moved_bytes()},
           {"border_vertices", plan.border_vertices},

@@ -87,7 +87,6 @@ class Planning {
   RankPlan plan() && {
     for (int l = 0; l <= finest_; ++l) plan_.levels.push_back(level_plan(l));
     plan_.imbalance = imbalance_of(triangles_of_ranks(finest_));
-    count_blocks();
     count_border();
     count_tables();
     return std::move(plan_);
@@ -111,7 +110,7 @@ class Planning {
 
   LevelPlan level_plan(int l) const {
     LevelPlan out;
-    out.cells = level(l).cell_count, out.triangles = level(l).triangles;
+    out.cells = level(l).cell_count, out.triangles = level(l).triangles, out.blocks = count_blocks(l);
     std::vector<std::uint64_t> has_cells = zero_by_rank();
     for (CellId c = level(l).first_cell; c < level(l).end_cell(); ++c)
       has_cells[static_cast<std::size_t>(owner_[c])] = 1;
@@ -150,17 +149,14 @@ class Planning {
     return cell_message_bytes({cell.positions.size(), cell.shared_ids.size(), cell.triangles.size()});
   }
 
-  void count_blocks() {
-    if (finest_ == 0) {
-      plan_.finest_blocks = 1;
-      return;
-    }
+  // Those that consume cells of the level; the root counts as one.
+  [[nodiscard]] std::uint64_t count_blocks(int l) const {
+    if (l == 0) return 1;
     std::vector<std::uint64_t> blocks;
-    for (const Cell& cell : hierarchy_.cells_of(finest_))
+    for (const Cell& cell : hierarchy_.cells_of(l))
       blocks.push_back(CellCode::from(block_of_parent(cell.code.parent().coord())).morton);
     std::ranges::sort(blocks);
-    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    plan_.finest_blocks = blocks.size();
+    return static_cast<std::uint64_t>(std::unique(blocks.begin(), blocks.end()) - blocks.begin());
   }
 
   // By signature of the finest level: over how many cells of each rank its vertices are spread.

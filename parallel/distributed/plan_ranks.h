@@ -19,7 +19,7 @@ struct PlanConfig {
 
 // The ranks at work on a level: they run its blocks, and get its cells from those that have run the finer ones.
 struct LevelPlan {
-  std::uint64_t cells = 0, triangles = 0;
+  std::uint64_t cells = 0, triangles = 0, blocks = 0;
   int busy_ranks = 0;                // that have a block of the level; of the root: its cell
   std::uint64_t most_triangles = 0;  // of a rank
   // Cells that come from another rank than that which needs them; none on the finest level, whose cells do not move.
@@ -32,9 +32,8 @@ struct LevelPlan {
 struct RankPlan {
   int ranks = 0;
   std::vector<LevelPlan> levels;  // from the root
-  std::uint64_t finest_blocks = 0;
-  std::uint64_t samples = 0;  // triangles by which the borders are chosen
-  double imbalance = 1;       // of the finest level's triangles: maximum over mean
+  std::uint64_t samples = 0;      // triangles by which the borders are chosen
+  double imbalance = 1;           // of the finest level's triangles: maximum over mean
   // Vertices of the finest level that several ranks use, once for each of those; and of one rank at most. Too many by
   // some where a cell has more than 255 signatures.
   std::uint64_t border_vertices = 0, most_border_vertices = 0;

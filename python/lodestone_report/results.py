@@ -89,7 +89,7 @@ class Results:
 def table_of(results, table):
     """A table's rows; a row that repeats the one before, as a level that is clamped does, is left out."""
     rows = []
-    for setting in results.settings(*table.sweeps):
+    for setting in results.find(table.sweeps, **table.where):
         row = [cell_text(setting.at(column[1]), *column[2:]) for column in table.columns]
         if row not in rows:
             rows.append(row)
