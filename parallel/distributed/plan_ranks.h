@@ -37,7 +37,7 @@ struct RankPlan {
   // Vertices of the finest level that several ranks use, once for each of those; and of one rank at most. Too many by
   // some where a cell has more than 255 signatures.
   std::uint64_t border_vertices = 0, most_border_vertices = 0;
-  // Memory of rank 0 for the tables of all cells, as save_ranks states it: estimated within a quarter.
+  // Memory of rank 0 for the tables of all cells, as save_ranks states it; its other stages may need as much.
   std::uint64_t first_rank_bytes = 0;
 
   [[nodiscard]] std::uint64_t moved_bytes() const;

@@ -34,6 +34,7 @@ class Page:
     tables: list
     notes: str = ""
     correlation: Correlation | None = None
+    model: bool = False  # with what distributed.py predicts
 
 
 DATA, TRIANGLES = ("data", "data"), ("triangles", "triangles")
@@ -218,12 +219,12 @@ PAGES = [
                *((f"{stage}, {what}", f"{stage}_{column}", *divisor) for stage in STAGES
                  for what, column, *divisor in (("s", "seconds"), ("MB", "bytes", MB)))]),
         Table("Finest blocks dealt out to virtual ranks", ("plans",),
-              [DATA, CELL, ("sample", "seed"), ("blocks", "level_blocks"), ("ranks", "ranks"), ("busy ranks", "busy_ranks"),
+              [DATA, CELL, ("blocks", "level_blocks"), ("ranks", "ranks"), ("busy ranks", "busy_ranks"),
                ("imbalance", "level_imbalance"), ("vertices between ranks", "border_vertices"),
                ("MB of tables at rank 0", "first_rank_bytes", MB)],
-              "Sample 0 is spread evenly over the cells, 1 is drawn at random.", {"coarser": 0}),
+              "The triangles by which borders are chosen are spread evenly over the cells.", {"coarser": 0, "seed": 0}),
     ], "Each job takes turns with one rank of as many threads as its ranks have together, or as there are processors: `rate / that "
-       "of one rank`. Messages between ranks of one machine go through its memory."),
+       "of one rank`. Messages between ranks of one machine go through its memory.", model=True),
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
