@@ -88,7 +88,7 @@ def costs(model):
     for stage in STAGES:
         triangle, byte, message = model.cost[stage] or (0, 0, 0)
         fixed, growing = model.rounds[stage] or (0, 0)
-        rows.append([stage, *map(short_number, (1e9 * triangle, 1e9 * byte, 1e6 * message, fixed, growing, model.most_sent(stage),
+        rows.append([stage, *map(short_number, (1e9 * triangle, 1e9 * byte, 1e6 * message, fixed, growing, model.sent[stage][""],
                                                 model.gain[stage]))])
     return rows
 
@@ -236,7 +236,9 @@ def lines(results, target):
         "thread a rank; none is below 0. `rounds` are those of any job; those `by piece` come for every "
         "2^18 triangles, and for every 2^10 of a rank from 256 ranks on. `bytes` are the content for each triangle that could "
         "move, of the model that sends the most; of `finest` for each vertex between ranks, of `levels` over those that the plans "
-        "say. `gain` is that of a second thread, by wall.", "",
+        "say. `gain` is that of a second thread, by wall. Rank 0's tables take "
+        f"{short_number(1e9 * model.first[''])} ns for each triangle of all ranks, on the model where they take the longest, and "
+        "the others wait.", "",
         *table(["stage", "ns per triangle", "ns per byte", "µs per message", "rounds", "by piece", "bytes", "gain"], costs(model)),
         *source,
         "## Predicted and measured", "",

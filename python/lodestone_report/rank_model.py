@@ -198,11 +198,10 @@ class Model:
         self.dealt = Dealt(plans, jobs[0].value("cell_triangles"))
         self.single = [s for s in jobs if s.value("rank_threads") == 1]
         self.cost = {stage: self.fit_cost(stage) for stage in STAGES}
-        self.first = fit([(n / r, n) for n, r in map(self.size, self.single)],
-                         [s.value("first_write_cpu_seconds") for s in self.single])
+        self.first = self.by_data(self.first_cost)
         self.rounds = {stage: fit([(1, pieces_of(self.job(s))) for s in self.single],
                                   [s.value(f"{stage}_rounds") for s in self.single]) for stage in STAGES}
-        self.sent = {stage: self.fit_sent(stage) for stage in STAGES}
+        self.sent = {stage: self.by_data(lambda s, stage=stage: self.content_share(stage, s)) for stage in STAGES}
         several = [s for s in self.single if is_number(s.value("peak_bytes"))]
         self.memory = fit([(1, n / r) for n, r in map(self.size, several)], [s.value("peak_bytes") for s in several])
         self.tables = fit([(n * self.dealt.tables,) for n, _ in map(self.size, several)],
@@ -231,19 +230,26 @@ class Model:
             values.append(s.value(f"{stage}_cpu_seconds"))
         return fit(rows, values)
 
-    def fit_sent(self, stage):
-        """By data: bytes of content for each triangle whose receiver is another rank; of `levels` and `finest` over what
-        `ranks` says. It depends on the order of the input: what is near in space may be near in the file, or not."""
-        shares = {}
+    def by_data(self, of):
+        """Medians of a figure of jobs of several ranks, by data, and under "" the largest of them."""
+        found = {}
         for s in self.single:
-            n, r = self.size(s)
-            content = s.value(f"{stage}_bytes") - HEAD * messages_of(s.value(f"{stage}_rounds"), r)
-            if r > 1:
-                shares.setdefault(s.value("data"), []).append(content / self.could_move(stage, self.job(s)))
-        return {data: median(some) for data, some in shares.items()}
+            if s.value("ranks") > 1:
+                found.setdefault(s.value("data"), []).append(of(s))
+        medians = {data: median(some) for data, some in found.items()}
+        return medians | {"": max(medians.values(), default=0.0)}
 
-    def most_sent(self, stage):
-        return max(self.sent[stage].values(), default=0.0)
+    def first_cost(self, setting):
+        """Seconds of rank 0 for each triangle of all ranks, beyond what another rank takes to write."""
+        triangles, ranks = self.size(setting)
+        own = setting.value("first_write_cpu_seconds")
+        return max(own - (setting.value("write_cpu_seconds") - own) / (ranks - 1), 0.0) / triangles
+
+    def content_share(self, stage, setting):
+        """Bytes of content for each triangle whose receiver is another rank; of `levels` and `finest` over what `ranks` says.
+        It depends on the order of the input: what is near in space may be near in the file, or not."""
+        messages = messages_of(setting.value(f"{stage}_rounds"), setting.value("ranks"))
+        return (setting.value(f"{stage}_bytes") - HEAD * messages) / self.could_move(stage, self.job(setting))
 
     def could_move(self, stage, job):
         if stage == "levels":
@@ -261,7 +267,7 @@ class Model:
         if job.ranks == 1:
             return 0.0
         more = BYTES_PER_CORNER * more_corners(job) * job.triangles * (1 - 1 / job.ranks) if stage == "route" else 0
-        return self.sent[stage].get(job.data, self.most_sent(stage)) * self.could_move(stage, job) + more
+        return self.sent[stage].get(job.data, self.sent[stage][""]) * self.could_move(stage, job) + more
 
     def thread_gain(self, jobs, stage):
         """How much faster one rank is with two threads: the same work, by wall."""
@@ -322,5 +328,5 @@ class Model:
         """Rank 0 makes the tables of all cells, and gets what it needs for them, while the others wait."""
         if job.ranks == 1 and network.shared:
             return 0.0
-        own = self.first[1] if self.first else 0.0
+        own = self.first.get(job.data, self.first[""])
         return own * job.triangles * (1 - 1 / job.ranks) + self.content("write", job) / network.bandwidth
