@@ -144,7 +144,7 @@ def breaks(model, triangles=TRIANGLES[0]):
 
 
 def breaking_lines(model):
-    per_triangle = (model.tables or [0])[0] * model.dealt.tables
+    per_triangle = model.dealt.tables
     found = breaks(model)
     order = ", ".join(f"{name} ({ranks:,})" for ranks, name, _ in found if ranks)
     large = Job(TRIANGLES[0], RANKS[-1])
@@ -152,11 +152,10 @@ def breaking_lines(model):
     lines = [f"The order, with the ranks from which each holds: {order}.", "",
              f"- Above {MOST_TRIANGLES / 1e9:.1f} 10^9 triangles the program refuses the input: numbers of triangles and vertices "
              "have 32 bits. Predictions beyond that are of a program with longer ones, whose messages would be larger by up to a "
-             "half."]
-    if per_triangle:
-        lines.append(f"- Metadata of cells: rank 0 holds {short_number(per_triangle)} bytes for each triangle of the input, which "
-                     f"is {short_number(MACHINE_MEMORY / 1e9)} GB at {short_number(MACHINE_MEMORY / per_triangle / 1e9)} 10^9 "
-                     "triangles, whatever the number of ranks.")
+             "half.",
+             f"- Metadata of cells: rank 0 holds up to {short_number(per_triangle)} bytes for each triangle of the input, which is "
+             f"{short_number(MACHINE_MEMORY / 1e9)} GB at {short_number(MACHINE_MEMORY / per_triangle / 1e9)} 10^9 triangles, "
+             "whatever the number of ranks."]
     for ranks, name, sentence in found:
         limit = f"from {ranks:,} ranks on" if ranks else f"not up to {ALL_RANKS[-1]:,} ranks"
         lines.append(f"- {name[0].upper()}{name[1:]}: {limit}, {sentence}.")
@@ -243,7 +242,8 @@ def lines(results, target):
         *source,
         "## Predicted and measured", "",
         "Each job is predicted from the others. Predicted / measured, and by how much the first is off. The processors are shared "
-        "by ranks and by whatever else the machine does, which seconds show and processor seconds hardly do.", "",
+        "by ranks and by whatever else the machine does, which seconds show and processor seconds hardly do. Memory of rank 0 is "
+        "predicted as that of another rank and its tables, an upper estimate.", "",
         *table(["data", "ranks", "threads of each", "CPU seconds", "seconds", "bytes per triangle", "rounds", "imbalance",
                 "peak MB", "peak MB at rank 0"], beside_runs(jobs, plans)), *source,
         "Imbalance where the triangles that choose the ranks' borders are drawn at random, from four blocks a rank on: "

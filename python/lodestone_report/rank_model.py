@@ -144,7 +144,7 @@ class Prediction:
     heads: float                # these alone
     rounds: float
     peak_bytes: float           # of a rank that is not the first
-    first_peak_bytes: float
+    first_peak_bytes: float     # at most: it makes the tables when it has released some of the rest
     imbalance: float
 
     @property
@@ -204,8 +204,6 @@ class Model:
         self.sent = {stage: self.by_data(lambda s, stage=stage: self.content_share(stage, s)) for stage in STAGES}
         several = [s for s in self.single if is_number(s.value("peak_bytes"))]
         self.memory = fit([(1, n / r) for n, r in map(self.size, several)], [s.value("peak_bytes") for s in several])
-        self.tables = fit([(n * self.dealt.tables,) for n, _ in map(self.size, several)],
-                          [max(s.value("first_peak_bytes") - s.value("peak_bytes"), 0.0) for s in several])
         self.gain = {stage: self.thread_gain(jobs, stage) for stage in STAGES}
 
     @staticmethod
@@ -320,9 +318,8 @@ class Model:
         imbalance = self.uneven("finest", job, sampled)
         base, of_triangle = self.memory or (0, 0)
         peak = base + of_triangle * job.triangles / job.ranks * imbalance
-        tables = (self.tables or [0])[0] * self.dealt.tables * job.triangles
         return Prediction(stages, total["waiting"], first, total["cpu"], total["sent"], total["heads"], total["rounds"], peak,
-                          peak + tables, imbalance)
+                          peak + self.dealt.tables * job.triangles, imbalance)
 
     def first_seconds(self, job, network):
         """Rank 0 makes the tables of all cells, and gets what it needs for them, while the others wait."""
