@@ -4,6 +4,7 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/parser.h"
 #include "experiments/mpi/build_job.h"
+#include "experiments/mpi/plan.h"
 
 namespace lodestone {
 namespace {
@@ -12,6 +13,7 @@ int run_commands(int argc, char** argv) {
   MpiTransport transport(&argc, &argv);
   CommandTable commands;
   add_build_job(commands, transport);
+  add_plan(commands, transport.rank() == 0);
   install_signal_handlers();
   set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
   const int status = run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});

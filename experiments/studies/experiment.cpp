@@ -13,10 +13,10 @@ namespace {
 Registry<Experiment>& experiments() {
   static Registry<Experiment> all = [] {
     Registry<Experiment> ours("experiment");
-    for (const auto& make :
-         {build_experiment, effects_experiment, families_experiment, flight_experiment, probe_experiment,
-          progressive_experiment, raster_experiment, reconstruct_experiment, scaling_experiment, schedule_experiment,
-          shells_experiment, spherical_experiment, systems_experiment, table_experiment}) {
+    for (const auto& make : {build_experiment, distributed_experiment, effects_experiment, families_experiment,
+                             flight_experiment, probe_experiment, progressive_experiment, ranks_experiment,
+                             raster_experiment, reconstruct_experiment, scaling_experiment, schedule_experiment,
+                             shells_experiment, spherical_experiment, systems_experiment, table_experiment}) {
       Experiment experiment = make();
       const std::string name = experiment.name;
       ours.add(name, std::move(experiment));

@@ -103,12 +103,14 @@ struct Experiment {
 // The experiments, a file each. `probe` has known results and every way to fail: it tries out a machine, a cluster or
 // the sweep itself.
 [[nodiscard]] Experiment build_experiment();
+[[nodiscard]] Experiment distributed_experiment();
 [[nodiscard]] Experiment effects_experiment();
 [[nodiscard]] Experiment families_experiment();
 [[nodiscard]] Experiment flight_experiment();
 [[nodiscard]] Experiment probe_experiment();
 [[nodiscard]] Experiment progressive_experiment();
 [[nodiscard]] Experiment spherical_experiment();
+[[nodiscard]] Experiment ranks_experiment();
 [[nodiscard]] Experiment raster_experiment();
 [[nodiscard]] Experiment reconstruct_experiment();
 [[nodiscard]] Experiment scaling_experiment();

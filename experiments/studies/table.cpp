@@ -1,11 +1,10 @@
 // Experiment `table`: hierarchies of large models from file to file, within a limit of memory, as a published table has
 // them. What is published of a model of that size is given beside it as a text: a parameter, so that nobody takes it
 // for a measurement.
-#include <filesystem>
-
 #include "core/base/error.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
+#include "experiments/studies/run_file.h"
 #include "experiments/studies/study_input.h"
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/build.h"
@@ -32,22 +31,6 @@ std::vector<ColumnInfo> columns() {
   return list;
 }
 
-// The scratch file of a run, gone however the run ends.
-class ScratchFile {
- public:
-  explicit ScratchFile(const RunContext& context) : path_(std::filesystem::path(context.directory) / "scratch.lode") {}
-  ~ScratchFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 std::uint64_t memory_limit(const Parameters& parameters) {
   return static_cast<std::uint64_t>(parameters.number("memory_limit") * 0x1p30);
 }
@@ -55,7 +38,7 @@ std::uint64_t memory_limit(const Parameters& parameters) {
 std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context) {
   if (context.input.empty()) throw InputError("the run has no input; name data in its sweep");
   const auto scheduler = study_scheduler(parameters);
-  const ScratchFile file(context);
+  const RunFile file(context);
   BuildJob job;
   job.inputs = {context.input};
   job.output = file.path();

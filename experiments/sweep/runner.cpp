@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "core/base/error.h"
-#include "experiments/sweep/child_process.h"
+#include "experiments/command_line/child_process.h"
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/time_left.h"
@@ -183,7 +183,7 @@ class Runner {
                                 .dump());
     const std::time_t now = std::time(nullptr);
     append_to_log(folder, fmt::format("--- repetition {}, {}\n", task.repetition, utc(now)));
-    auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
+    auto child = std::make_unique<ChildProcess>(ChildCommand{{"sweep-run", work.path.string()}}, folder.log(),
                                                 lock.descriptor());
     jobs_.push_back({task, std::move(lock), std::move(claim), now, {}, std::move(child)});
   }

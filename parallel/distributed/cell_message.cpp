@@ -40,6 +40,13 @@ void append_cell(CellCode code, const CellBuild& cell, Message& message) {
   visit_cell(cell, append);
 }
 
+std::size_t cell_message_bytes(const CellCounts& counts) {
+  constexpr std::size_t per_vertex = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(std::uint32_t) + sizeof(float);
+  constexpr std::size_t per_shared = sizeof(std::uint32_t) + sizeof(float) + sizeof(UsageBox);
+  return sizeof(CellHead) + per_vertex * counts.vertices + per_shared * counts.shared +
+         sizeof(Triangle) * counts.triangles;
+}
+
 template <class T>
 void CellReader::take(std::span<T> to) {
   if (left_.size() < to.size_bytes()) throw Error("a message of cells ends too early");

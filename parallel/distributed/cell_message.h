@@ -11,6 +11,12 @@ namespace lodestone {
 // Appends the cell without parents, with all that its block needs.
 void append_cell(CellCode code, const CellBuild& cell, Message& message);
 
+// The bytes that it appends for a cell with so many of them.
+struct CellCounts {
+  std::size_t vertices = 0, shared = 0, triangles = 0;
+};
+[[nodiscard]] std::size_t cell_message_bytes(const CellCounts& counts);
+
 // Reads the cells of a message, one after the other. Throws Error where the bytes end within a cell.
 class CellReader {
  public:

@@ -11,8 +11,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t round_bytes = std::size_t{8} << 20;  // of cells that a rank sends in a round, or one cell
-
 // Blocks of one level run, the others do not exist here.
 class OneLevel final : public CellStorage {
  public:
@@ -64,7 +62,7 @@ CellPart exchange_cells(CellPart&& made, int level, const CellOwners& owners, Ra
   std::size_t next = 0;
   do {
     std::vector<Message> messages(static_cast<std::size_t>(ranks.count()));
-    for (std::size_t bytes = 0; next < made.cells.size() && bytes < round_bytes; ++next) {
+    for (std::size_t bytes = 0; next < made.cells.size() && bytes < exchange_round_bytes; ++next) {
       CellBuild& cell = made.cells[next];
       const int owner = owners.owner(made.codes[next], level);
       if (owner == ranks.rank()) {

@@ -13,6 +13,8 @@
 
 namespace lodestone {
 
+inline constexpr std::size_t exchange_round_bytes = std::size_t{8} << 20;  // of cells that a rank sends in a round
+
 struct BlockSetting {
   const BuildConfig& config;  // its strategy and progress are not used
   const CellOwners& owners;

@@ -236,16 +236,16 @@ def draw(figure, narrow=False):
     return sheet
 
 
-def write(sheet, form, metadata):
+def write(sheet, form, metadata, transparent=True):
     file = io.BytesIO()
     with settings():
-        sheet.savefig(file, format=form, transparent=True, metadata=metadata)
+        sheet.savefig(file, format=form, transparent=transparent, metadata=metadata)
     return file.getvalue()
 
 
-def to_svg(sheet):
-    """The text of an SVG."""
-    return write(sheet, "svg", {"Date": None, "Creator": None}).decode()
+def to_svg(sheet, transparent=True):
+    """The text of an SVG; on white where it is not transparent."""
+    return write(sheet, "svg", {"Date": None, "Creator": None}, transparent).decode()
 
 
 def to_pdf(sheet):

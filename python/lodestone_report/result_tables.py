@@ -1,18 +1,19 @@
 """What the pages of docs/results show: tables of each standard study, as columns of its sweeps."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 MB = 1e6
 
 
 @dataclass(frozen=True)
 class Table:
-    """`columns`: heading, parameter or column, and what its numbers are divided by."""
+    """`columns`: heading, parameter or column, and what its numbers are divided by. `where`: values of the settings shown."""
 
     title: str
     sweeps: tuple
     columns: list
     note: str = ""
+    where: dict = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Page:
     tables: list
     notes: str = ""
     correlation: Correlation | None = None
+    model: bool = False  # with what distributed.py predicts
 
 
 DATA, TRIANGLES = ("data", "data"), ("triangles", "triangles")
@@ -53,6 +55,7 @@ CELL, SELECT, OVER_BORDER = ("cell triangles", "cell_triangles"), ("select, ms",
 RATE, STORED = ("Mtri per core-second", "mtri_per_core_second"), ("stored / input", "stored_ratio")
 FLIGHT = [DATA, ("camera", "camera"), OVER_BORDER, SURFACE, DRAWN, SELECT,
           CRACKS, *JUMPS]
+STAGES = ("clean", "route", "finest", "levels", "write")  # of a job of several ranks
 TABLE = [("stands for", "model"), ("limit, GiB", "memory_limit"), INPUT, ("HLOD triangles", "stored_triangles"),
          ("seconds", "file_seconds"), ("CPU seconds", "file_cpu_seconds"), ("of which building", "cpu_seconds"), RATE,
          ("peak MB", "peak_bytes", MB),
@@ -203,6 +206,25 @@ PAGES = [
     ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels. Beyond the "
        "machine, list scheduling replays what one worker did; what workers take from each other is measured by copies of the "
        "job that run at once."),
+    Page("distributed", [
+        Table("Jobs of several ranks", ("strong", "weak_1", "weak_2", "weak_4"),
+              [DATA, INPUT, ("ranks", "ranks"), ("threads of each", "rank_threads"), ("processors", "processors"), SECONDS, CPU,
+               ("million triangles per second", "mtri_per_second"), ("rate / that of one rank", "over_one"),
+               ("bytes per triangle", "bytes_per_triangle"), ("rounds", "rounds_of_messages"),
+               ("imbalance of triangles", "imbalance_triangles"), ("of CPU time", "imbalance_cpu"),
+               ("of memory", "imbalance_memory"), ("peak MB at rank 0", "first_peak_bytes", MB),
+               ("at another", "peak_bytes", MB), ("same file", "same")]),
+        Table("Stages: seconds of the slowest rank, and bytes that all send", ("strong",),
+              [DATA, ("ranks", "ranks"), ("threads of each", "rank_threads"),
+               *((f"{stage}, {what}", f"{stage}_{column}", *divisor) for stage in STAGES
+                 for what, column, *divisor in (("s", "seconds"), ("MB", "bytes", MB)))]),
+        Table("Finest blocks dealt out to virtual ranks", ("plans",),
+              [DATA, CELL, ("blocks", "level_blocks"), ("ranks", "ranks"), ("busy ranks", "busy_ranks"),
+               ("imbalance", "level_imbalance"), ("vertices between ranks", "border_vertices"),
+               ("MB of tables at rank 0", "first_rank_bytes", MB)],
+              "The triangles by which borders are chosen are spread evenly over the cells.", {"coarser": 0, "seed": 0}),
+    ], "Each job takes turns with one rank of as many threads as its ranks have together, or as there are processors: `rate / that "
+       "of one rank`. Messages between ranks of one machine go through its memory.", model=True),
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,

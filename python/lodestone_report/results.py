@@ -5,7 +5,7 @@ A table picks columns of sweeps and says which run made it: commit, machine, dat
 
 import pathlib
 
-from . import costs, correlation
+from . import costs, correlation, distributed
 from .reading import load
 from .result_tables import PAGES
 from .text import short_number, span
@@ -89,7 +89,7 @@ class Results:
 def table_of(results, table):
     """A table's rows; a row that repeats the one before, as a level that is clamped does, is left out."""
     rows = []
-    for setting in results.settings(*table.sweeps):
+    for setting in results.find(table.sweeps, **table.where):
         row = [cell_text(setting.at(column[1]), *column[2:]) for column in table.columns]
         if row not in rows:
             rows.append(row)
@@ -124,7 +124,7 @@ def correlation_lines(results, wanted):
             results.source(wanted.sweeps), ""]
 
 
-def page_text(results, page):
+def page_text(results, page, target):
     lines = [f"# {results.study.title}", "", results.study.question, ""]
     if page.notes:
         lines += [page.notes, ""]
@@ -140,6 +140,8 @@ def page_text(results, page):
             lines += ["No run of this table has verified rows.", ""]
     if page.correlation:
         lines += correlation_lines(results, page.correlation)
+    if page.model:
+        lines += distributed.lines(results, target)
     if outcomes := [f"- {figure.title}: {figure.outcome}" for figure in results.study.figures if figure.outcome]:
         lines += ["## What the figures of the report show", "", *outcomes, ""]
     missing = [f"- {name}: {path} was missing (scripts/data)" for name, path in results.study.left_out.items()]
@@ -259,6 +261,10 @@ HEADLINES = [  # study, figure, and the function of its Results that gives the v
      derived("soft", value=lambda s: -100 * quotient("gain_ms", "frame_ms")(s), effects="everything")),
     *(("scaling", f"efficiency of two workers, {task}, %", spread("strong", of="efficiency", task=task, workers=2))
       for task in ("build", "raster", "reconstruct", "progressive")),
+    ("distributed", "rate of two ranks of one thread over that of one of two",
+     spread("strong", of="over_one", ranks=2, rank_threads=1)),
+    ("distributed", "imbalance of triangles, at most", largest(*distributed.JOBS, of="imbalance_triangles")),
+    ("distributed", "bytes between ranks per triangle, at most", largest(*distributed.JOBS, of="bytes_per_triangle")),
     *(("systems", f"{what} with {system}", form(*PATHS, of=column, system=system))
       for system in ("morph", "discrete")
       for what, form, column in (("cracked frames, %,", spread, "cracked_frames"),
@@ -301,7 +307,7 @@ def write_pages(folders, target, options=""):
     target = pathlib.Path(target)
     target.mkdir(parents=True, exist_ok=True)
     studies = {page.study: Results(folders[page.study], options) for page in PAGES if page.study in folders}
-    texts = {page.study: page_text(studies[page.study], page) if page.study in studies else "" for page in PAGES}
+    texts = {page.study: page_text(studies[page.study], page, target) if page.study in studies else "" for page in PAGES}
     for name, text in {**texts, COST_PAGE: cost_text(studies)}.items():
         path = target / f"{name}.md"
         if text:

@@ -108,6 +108,30 @@ class UnderLauncher(DistributedCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("by 1 ranks", done.stdout)
 
+    def plan(self, *arguments):
+        return subprocess.run([os.environ["LODESTONE_MPI"], "plan", *map(str, arguments)], cwd=self.folder,
+                              capture_output=True, timeout=60, text=True, env=ENVIRONMENT, check=False)
+
+    def test_a_plan_tells_what_a_build_reports(self):
+        self.assertEqual(self.job(1, "--generate", "sphere:60000", "-o", "m.lode").returncode, 0)
+        done = self.plan("m.lode", "--ranks", "3,512", "--json", "plan.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("512 ranks: imbalance", done.stdout)
+        plan = json.loads((self.folder / "plan.json").read_text())
+        (self.folder / "plan.json").unlink()
+        (self.folder / "m.lode").unlink()
+        _, figures = self.built(3, "--generate", "sphere:60000")
+        self.assertAlmostEqual(plan["plans"][0]["imbalance"], figures["imbalance"]["triangles"])
+        moved = sum(rank["stages"]["levels"]["bytes_sent"] for rank in figures["ranks"])
+        self.assertLess(0, moved - plan["plans"][0]["moved_bytes"])
+        self.assertLess(moved - plan["plans"][0]["moved_bytes"], 40 * 6 * figures["rounds"])
+        self.assertEqual([plan["plans"][1][key] for key in ("ranks", "samples")], [512, plan["triangles"]])
+
+    def test_a_plan_refuses_what_is_no_number_or_no_file(self):
+        self.assert_refused(self.plan("m.lode", "--ranks", "2,x"), USAGE, "'x' is not a number of ranks")
+        self.assert_refused(self.plan("m.lode", "--ranks", ","), USAGE, "--ranks")
+        self.assert_refused(self.plan("missing.lode"), FILE, "missing.lode")
+
     def test_errors_are_one_line_of_one_rank(self):
         self.assert_refused(self.job(3, "missing.ply", "-o", "m.lode"), FILE, "rank 0 on ", "missing.ply: cannot open")
         self.assert_refused(self.job(2, surface(), "-o", "no/m.lode"), FILE, "rank 0 on ", "no/m.lode")

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
@@ -43,6 +44,17 @@ const std::vector<Case> cases = {
       {"slivers", 101},
       {"level_distance", 1},
       {"normal_mean", 181}}},
+    {"distributed",
+     with(shallow, {{"ranks", 2}, {"rounds", 1}}),
+     {{"same", false},
+      {"hash", ""},
+      {"seconds", 0},
+      {"clean_bytes", 0},
+      {"bytes_per_triangle", 1},
+      {"imbalance_cpu", 0.9},
+      {"imbalance_triangles", 2.1},
+      {"over_one", 100},
+      {"first_peak_bytes", 0}}},
     {"effects",
      with(picture, {{"rounds", 1}, {"frames", 3}}),
      {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
@@ -66,6 +78,16 @@ const std::vector<Case> cases = {
     {"progressive",
      {{"rounds", 1}, {"level_count", 2}},
      {{"residual_edges", 1}, {"same", false}, {"hash", Row()}, {"base_triangles", 1e9}, {"error_p99", 1e3}}},
+    {"ranks",
+     with(shallow, {{"virtual_ranks", 8}}),
+     {{"ranks", 1},
+      {"busy_ranks", 9},
+      {"most_triangles", 1},
+      {"level_imbalance", 0.5},
+      {"moved_bytes", 1},
+      {"largest_message", 1e9},
+      {"most_border_vertices", 1e9},
+      {"first_rank_bytes", 1}}},
     {"raster",
      with(with(shallow, picture), {{"frames", 3}, {"rounds", 1}, {"measured_frames", 2}, {"camera", "orbit"}}),
      {{"same", false}, {"hash", ""}, {"screen_error", 3}, {"frame_ms_max", 0}, {"flip_worst", 2}, {"flip", 1}}},
@@ -113,10 +135,16 @@ const std::vector<Case> cases = {
       {"out_of_core", true}}},
 };
 
+// Two start lodestone-mpi, which LODESTONE_MPI names where it is built.
+bool lacks_program(const std::string& experiment) {
+  return (experiment == "distributed" || experiment == "ranks") && std::getenv("LODESTONE_MPI") == nullptr;
+}
+
 class EachStudy : public Studies, public ::testing::WithParamInterface<Case> {};
 
 TEST_P(EachStudy, HasItsColumnsVerifiesAndRefusesWrongRows) {
   const auto& [name, given, lies] = GetParam();
+  if (lacks_program(name)) GTEST_SKIP() << "lodestone-mpi is not built";
   const std::vector<Row> rows = rows_of(name, given);
   EXPECT_EQ(joined(faults(name, given, rows)), "");
   for (const ColumnInfo& column : find_experiment(name).columns)
@@ -137,6 +165,7 @@ TEST_P(EachStudy, HasItsColumnsVerifiesAndRefusesWrongRows) {
 
 TEST_P(EachStudy, LaterRepetitionsVerify) {
   const auto& [name, given, lies] = GetParam();
+  if (lacks_program(name)) GTEST_SKIP() << "lodestone-mpi is not built";
   EXPECT_EQ(joined(faults(name, given, rows_of(name, given, 1))), "");
 }
 
@@ -184,6 +213,21 @@ TEST_F(Studies, MissingInputIsAnError) {
   for (const Experiment& experiment : studies())
     EXPECT_THROW((void)experiment.run(Parameters(experiment.parameters, Row::object()), RunContext{}), InputError)
         << experiment.name;
+}
+
+TEST_F(Studies, JobsNeedTheirProgramAndTheirLauncher) {
+  const char* program = std::getenv("LODESTONE_MPI");
+  const std::string before = program != nullptr ? program : "";
+  setenv("LODESTONE_MPI", sphere_.c_str(), 1);
+  expect_error_of<UnsupportedError>([&] { return rows_of("ranks", shallow); }, {"sphere.ply", "set LODESTONE_MPI"});
+  setenv("LODESTONE_MPI", "/bin/false", 1);
+  setenv("LODESTONE_LAUNCHER", "no-such-launcher -x", 1);
+  expect_error_of<UnsupportedError>([&] { return rows_of("distributed", shallow); },
+                                    {"no-such-launcher", "scripts/setup distributed"});
+  setenv("LODESTONE_LAUNCHER", "/bin/false --tells nothing", 1);
+  expect_error_of<ResourceError>([&] { return rows_of("distributed", shallow); }, {"lodestone-mpi build", "status 1"});
+  unsetenv("LODESTONE_LAUNCHER");
+  before.empty() ? unsetenv("LODESTONE_MPI") : setenv("LODESTONE_MPI", before.c_str(), 1);
 }
 
 TEST_F(Studies, MultiplesOfABorderNeedOne) {

@@ -1,4 +1,4 @@
-#include "experiments/sweep/child_process.h"
+#include "experiments/command_line/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "core/base/error.h"
 #include "experiments/command_line/exit_status.h"
@@ -45,19 +47,52 @@ class SignalsHeld {
   sigset_t before_{};
 };
 
+// A command as execve() takes it, made before fork().
+class Executable {
+ public:
+  explicit Executable(ChildCommand&& command)
+      : program_(command.program.empty() ? "/proc/self/exe" : command.program.string()),
+        arguments_(std::move(command.arguments)) {
+    arguments_.insert(arguments_.begin(), command.program.empty() ? "lodestone" : program_);
+    for (char** variable = environ; *variable != nullptr; ++variable) environment_.emplace_back(*variable);
+    for (std::string& assignment : command.environment)
+      if (std::getenv(assignment.substr(0, assignment.find('=')).c_str()) == nullptr)
+        environment_.push_back(std::move(assignment));
+    argument_pointers_ = pointers(arguments_), environment_pointers_ = pointers(environment_);
+  }
+  void execute() const { execve(program_.c_str(), argument_pointers_.data(), environment_pointers_.data()); }
+
+ private:
+  static std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> list;
+    for (std::string& text : texts) list.push_back(text.data());
+    list.push_back(nullptr);
+    return list;
+  }
+
+  std::string program_;
+  std::vector<std::string> arguments_, environment_;
+  std::vector<char*> argument_pointers_, environment_pointers_;
+};
+
+// Descriptors of the child; below 0: none.
+struct ChildFiles {
+  int log = -1;
+  std::array<int, 2> kept{-1, -1};  // open in the program, too
+};
+
 // After fork(), in the child: only what may be called there.
-[[noreturn]] void become(char* const* arguments, int log, int report, int inherited, pid_t parent,
-                         const SignalsHeld& held) {
+[[noreturn]] void become(const Executable& executable, const ChildFiles& files, pid_t parent, const SignalsHeld& held) {
   held.release_by_default();
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // it has ended in between
   const int null = open("/dev/null", O_RDONLY);
   dup2(null, STDIN_FILENO);
-  dup2(log, STDOUT_FILENO);
-  dup2(log, STDERR_FILENO);
-  fcntl(report, F_SETFD, 0);
-  fcntl(inherited, F_SETFD, 0);
-  execv("/proc/self/exe", arguments);
+  dup2(files.log, STDOUT_FILENO);
+  dup2(files.log, STDERR_FILENO);
+  for (const int file : files.kept)
+    if (file >= 0) fcntl(file, F_SETFD, 0);
+  executable.execute();
   _exit(127);
 }
 
@@ -81,7 +116,7 @@ std::string ChildEnd::reason() const {
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
-ChildProcess::ChildProcess(std::vector<std::string> arguments, const std::filesystem::path& log, int inherited) {
+ChildProcess::ChildProcess(ChildCommand command, const std::filesystem::path& log, int inherited) {
   const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (output < 0) throw FileError(describe(log.string(), "", std::string("cannot be written: ") + strerror(errno)));
   int ends[2];
@@ -89,17 +124,15 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, const std::filesy
     close(output);
     throw ResourceError(std::string("no pipe to a run: ") + strerror(errno));
   }
-  arguments.insert(arguments.begin(), "lodestone");
-  arguments.insert(arguments.end(), {"--report", std::to_string(ends[1])});
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
+  const bool reports = command.program.empty();
+  if (reports) command.arguments.insert(command.arguments.end(), {"--report", std::to_string(ends[1])});
+  const Executable executable(std::move(command));
   const pid_t parent = getpid();
   int error = 0;
   {
     const SignalsHeld held;
     process_ = fork();
-    if (process_ == 0) become(pointers.data(), output, ends[1], inherited, parent, held);
+    if (process_ == 0) become(executable, {output, {reports ? ends[1] : -1, inherited}}, parent, held);
     error = errno;
   }
   close(output);
