@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from .figures import Figure, Panel, Point, Series
-from .rank_model import HEAD, NETWORKS, Job, Model, messages_of
+from .rank_model import HEAD, MOST_DIRECT, NETWORKS, Job, Model
 from .result_tables import STAGES
 from .text import short_number
 from .values import is_number, median
@@ -104,7 +104,7 @@ def predicted(model):
             job = Job(triangles, ranks)
             usual = model.predict(job, USUAL)
             seconds = [f"{short_number(model.predict(job, network).seconds)} / "
-                       f"{short_number(model.predict(job, network, trees=True).seconds)}" for network in NETWORKS]
+                       f"{short_number(model.predict(job, network, direct=True).seconds)}" for network in NETWORKS]
             rows.append([power(triangles), short_number(ranks), *seconds,
                          *(f"{100 * part / usual.seconds:.0f}" for part in (usual.first_seconds, usual.rounds_seconds)),
                          *map(short_number, (usual.bytes / triangles, usual.heads / triangles, usual.imbalance,
@@ -126,7 +126,7 @@ def breaks(model, triangles=TRIANGLES[0]):
     work = sum((model.cost[stage] or [0])[0] * model.work(stage, triangles) for stage in STAGES)
     found = [
         (first_rank_count(lambda r: at(r).first_seconds > at(r).seconds / 2), "rank 0's tables",
-         "rank 0 alone, which makes signatures and tables, takes more time than all that is done side by side: more ranks than "
+         "rank 0 alone, which numbers signatures and makes the tables, takes more time than all that is done side by side: more ranks than "
          f"that gain less than a factor of two, and {short_number(work / at(ALL_RANKS[-1]).first_seconds)} is the largest "
          "speed-up of any number of them"),
         (first_rank_count(lambda r: model.dealt.sample_imbalance(Job(triangles, r)) > MOST_IMBALANCE), "splitters",
@@ -134,7 +134,7 @@ def breaks(model, triangles=TRIANGLES[0]):
         (first_rank_count(lambda r: at(r).bytes / triangles > MOST_BYTES), "traffic",
          f"ranks send more than {MOST_BYTES} bytes for each triangle"),
         (first_rank_count(lambda r: at(r).heads > at(r).bytes / 2), "heads of messages",
-         f"the {HEAD} bytes before each message are more than the content, because most messages of a round are empty"),
+         f"the {HEAD} bytes before each message are more than the content, because most messages of a round have little"),
         (first_rank_count(lambda r: at(r).rounds_seconds > work / r), "rounds",
          "messages and their latency take longer than the work that they are for"),
         (first_rank_count(lambda r: model.uneven("levels", Job(triangles, r), False) > 2), "coarse levels",
@@ -148,7 +148,7 @@ def breaking_lines(model):
     found = breaks(model)
     order = ", ".join(f"{name} ({ranks:,})" for ranks, name, _ in found if ranks)
     large = Job(TRIANGLES[0], RANKS[-1])
-    saved = 1 - model.predict(large, USUAL, trees=True).seconds / model.predict(large, USUAL).seconds
+    built, direct = (model.predict(large, USUAL, direct=direct) for direct in (False, True))
     lines = [f"The order, with the ranks from which each holds: {order}.", "",
              f"- Above {MOST_TRIANGLES / 1e9:.1f} 10^9 triangles the program refuses the input: numbers of triangles and vertices "
              "have 32 bits. Predictions beyond that are of a program with longer ones, whose messages would be larger by up to a "
@@ -159,8 +159,9 @@ def breaking_lines(model):
     for ranks, name, sentence in found:
         limit = f"from {ranks:,} ranks on" if ranks else f"not up to {ALL_RANKS[-1]:,} ranks"
         lines.append(f"- {name[0].upper()}{name[1:]}: {limit}, {sentence}.")
-    return [*lines, f"- Trees in the rounds that do not move triangles save {100 * saved:.1f} % of the time at {large.ranks:,} ranks: "
-            "most rounds come by piece. Larger pieces, or messages only where there is something to tell, would save the others."]
+    return [*lines, f"- With a message between any two ranks in every round, {large.ranks:,} ranks would take "
+            f"{short_number(direct.seconds / built.seconds)} times as long, and send {short_number(direct.bytes / large.triangles)} "
+            f"bytes for each triangle instead of {short_number(built.bytes / large.triangles)}."]
 
 
 # ---- the picture
@@ -255,9 +256,10 @@ def lines(results, target):
         "keeps up. Networks are not measured but parameters, for each rank: "
         + "; ".join(f"{n.name}, latency {1e6 * n.latency:g} µs, message {1e6 * n.message:g} µs at either end, "
                     f"{n.bandwidth / 1e9:g} GB/s" for n in NETWORKS)
-        + ". The topology of the last one (kim2008) shows in its latency alone. Seconds are given for rounds as they are, which "
-        "have a message between any two ranks, and for trees (thakur2005) in all rounds that do not move triangles. The columns "
-        f"after the seconds are those of {USUAL.name}.", "",
+        + ". The topology of the last one (kim2008) shows in its latency alone. Seconds are given for rounds as they are, where "
+        f"what all ranks have to know takes log2 R steps (thakur2005) and what moves goes by way of a square beyond {MOST_DIRECT} "
+        "ranks, and for rounds that all have a message between any two ranks. The columns after the seconds are those of "
+        f"{USUAL.name}, as they are.", "",
         *([f"![Time, its parts, bytes and memory of predicted jobs over ranks, {USUAL.name}]({PICTURE})", ""] if drawn else []),
         *table(["triangles", "ranks", *(f"s, {n.name}" for n in NETWORKS), "rank 0's tables, %", "messages, %", "bytes per triangle",
                 "before messages", "imbalance", "of levels", "of an input without order", "peak GB", "peak GB at rank 0"],

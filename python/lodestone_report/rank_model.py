@@ -1,9 +1,10 @@
 """A model of building by many ranks: costs that jobs of the study `distributed` have shown, and networks that are assumed.
 
 A rank's time in a stage is its share of the work, the bytes that it packs and sends, and what messages cost by LogGP
-(alexandrov1995): a latency for each round, and at both ends an overhead for each message of it. All rounds have a message
-between any two ranks; those that only add numbers up may also be trees (thakur2005). Triangles, blocks and borders are dealt
-out as those of real models were to virtual ranks (experiment `ranks`).
+(alexandrov1995): a latency for each step, and at both ends an overhead for each message of it. Rounds that add numbers up take
+log2 R steps (thakur2005); those that move triangles have a message between any two ranks, and go by way of a square of ranks
+where these are many. Triangles, blocks and borders are dealt out as those of real models were to virtual ranks (experiment
+`ranks`).
 """
 
 import bisect
@@ -15,6 +16,7 @@ from .values import is_number, median
 
 HEAD = 32                       # bytes before the content of a message
 ROUND_ITEMS, FEWEST_ITEMS = 2**18, 2**10
+MOST_DIRECT = 48                # ranks that have a message between any two in a round, as Ranks has it
 SAMPLES = 2**16                 # triangles, at least, by which the ranks' borders are chosen
 BYTES_PER_CORNER = 24           # asked and answered for each distinct corner of the triangles of a round
 LEVEL_RATIO = 4                 # triangles, and blocks, of a level over those of the next coarser one
@@ -53,8 +55,23 @@ def items_of(ranks):
     return max(ROUND_ITEMS / ranks, FEWEST_ITEMS)
 
 
-def messages_of(rounds, ranks):
-    return rounds * ranks * (ranks - 1)
+def by_way(ranks, direct=False):
+    """Whether what moves goes by way of a square of ranks, and its bytes twice; `direct`: never, and nothing by trees."""
+    return ranks > MOST_DIRECT and not direct
+
+
+def messages_of(fixed, growing, ranks, direct=False):
+    """Messages that a rank sends in rounds that do not move triangles, and in those that do."""
+    others = ranks - 1
+    steps = others if direct else math.ceil(math.log2(ranks))
+    return fixed * steps + growing * (2 * (math.ceil(math.sqrt(ranks)) - 1) if by_way(ranks, direct) else others)
+
+
+def latencies_of(fixed, growing, ranks, direct=False):
+    """Steps that follow each other in those rounds."""
+    if ranks == 1:
+        return 0
+    return fixed * (1 if direct else math.ceil(math.log2(ranks))) + growing * (2 if by_way(ranks, direct) else 1)
 
 
 def pieces_of(job):
@@ -223,8 +240,8 @@ class Model:
         """Processor seconds for a triangle, a byte and a message."""
         rows, values = [], []
         for s in self.single:
-            n, r = self.size(s)
-            rows.append((self.work(stage, n), s.value(f"{stage}_bytes"), messages_of(s.value(f"{stage}_rounds"), r)))
+            n, _ = self.size(s)
+            rows.append((self.work(stage, n), s.value(f"{stage}_bytes"), s.value(f"{stage}_messages")))
             values.append(s.value(f"{stage}_cpu_seconds"))
         return fit(rows, values)
 
@@ -246,8 +263,8 @@ class Model:
     def content_share(self, stage, setting):
         """Bytes of content for each triangle whose receiver is another rank; of `levels` and `finest` over what `ranks` says.
         It depends on the order of the input: what is near in space may be near in the file, or not."""
-        messages = messages_of(setting.value(f"{stage}_rounds"), setting.value("ranks"))
-        return (setting.value(f"{stage}_bytes") - HEAD * messages) / self.could_move(stage, self.job(setting))
+        content = setting.value(f"{stage}_bytes") - HEAD * setting.value(f"{stage}_messages")
+        return content / (2 if by_way(setting.value("ranks")) else 1) / self.could_move(stage, self.job(setting))
 
     def could_move(self, stage, job):
         if stage == "levels":
@@ -291,18 +308,17 @@ class Model:
             return by_sample * sum(n * uneven for n, uneven, _ in levels) / sum(n for n, _, _ in levels)
         return by_sample * levels[0][1]
 
-    def predict(self, job, network=HERE, trees=False, sampled=False):
-        """`trees`: rounds that do not grow take log2 of the ranks as many messages of a rank. `sampled`: the input has no
-        order in space."""
+    def predict(self, job, network=HERE, direct=False, sampled=False):
+        """`direct`: all rounds have a message between any two ranks. `sampled`: the input has no order in space."""
         stages, total = {}, dict.fromkeys(("waiting", "cpu", "sent", "heads", "rounds"), 0.0)
-        others = job.ranks - 1
         for stage in STAGES:
             triangle, byte, message = self.cost[stage] or (0, 0, 0)
             fixed, growing = self.rounds_of(stage, job)
-            messages = growing * others + fixed * (math.ceil(math.log2(job.ranks)) if trees and others else others)
+            messages = messages_of(fixed, growing, job.ranks, direct)
             heads = HEAD * messages * job.ranks
-            sent = self.content(stage, job) + heads
-            waiting = 0 if network.shared or not others else (fixed + growing) * network.latency + 2 * messages * network.message
+            sent = self.content(stage, job) * (2 if by_way(job.ranks, direct) else 1) + heads
+            waiting = 0 if network.shared else (latencies_of(fixed, growing, job.ranks, direct) * network.latency +
+                                                2 * messages * network.message)
             even = byte * sent + (message * messages * job.ranks if network.shared else 0)
             work = triangle * self.work(stage, job.triangles)
             threads = self.gain[stage] ** math.log2(job.threads)

@@ -27,13 +27,13 @@ def job(triangles, ranks, threads=1):
     """A job as the model has it, but for blocks that are dealt out evenly."""
     values = {"data": f"model of {triangles}", "input_triangles": triangles, "ranks": ranks, "rank_threads": threads,
               "processors": 2, "cell_triangles": 1200, "imbalance_triangles": 1.0}
-    rounds = ROUNDS[0] + ROUNDS[1] * rank_model.pieces_of(Job(triangles, ranks))
-    messages = rank_model.messages_of(rounds, ranks)
+    growing = ROUNDS[1] * rank_model.pieces_of(Job(triangles, ranks))
+    rounds, messages = ROUNDS[0] + growing, ranks * rank_model.messages_of(ROUNDS[0], growing, ranks)
     for stage in STAGES:
         work = triangles * (4 / 3 if stage == "levels" else 1)
         sent = SENT * triangles * (1 - 1 / ranks) + rank_model.HEAD * messages
         values |= {f"{stage}_cpu_seconds": TRIANGLE * work + MESSAGE * messages, f"{stage}_bytes": sent,
-                   f"{stage}_rounds": rounds, f"{stage}_seconds": TRIANGLE * work / ranks / threads}
+                   f"{stage}_rounds": rounds, f"{stage}_messages": messages, f"{stage}_seconds": TRIANGLE * work / ranks / threads}
     sent = sum(values[f"{stage}_bytes"] for stage in STAGES)
     values |= {"first_write_cpu_seconds": ((TRIANGLE - TABLES) * triangles + MESSAGE * messages) / ranks + TABLES * triangles,
                "cpu_seconds": sum(values[f"{stage}_cpu_seconds"] for stage in STAGES), "seconds": 1.0,
@@ -98,9 +98,9 @@ class Models(unittest.TestCase):
         for ranks in (16, 64, 256, 1024, 4096):
             large = Job(1e9, ranks)
             found = self.model.predict(large, NETWORKS[1])
-            trees = self.model.predict(large, NETWORKS[1], trees=True)
-            self.assertLessEqual(trees.seconds, found.seconds)
-            self.assertLess(trees.heads, found.heads)
+            direct = self.model.predict(large, NETWORKS[1], direct=True)
+            self.assertLess(found.heads, direct.heads)
+            self.assertTrue(found.seconds < direct.seconds or ranks < 256)
             self.assertGreater(found.first_peak_bytes, found.peak_bytes)
             self.assertGreaterEqual(found.first_seconds, TABLES * 1e9 * (1 - 1 / ranks) * 0.99)
             self.assertGreaterEqual(self.model.predict(large, NETWORKS[1], sampled=True).imbalance, found.imbalance)

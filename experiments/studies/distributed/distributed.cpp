@@ -60,7 +60,7 @@ std::vector<ColumnInfo> columns() {
       {"imbalance_cpu", "", "processor time of a rank: maximum over mean", cost},
       {"imbalance_memory", "", "largest resident set of a rank: maximum over mean", cost},
       {"bytes_per_triangle", "bytes", "sent by all ranks, over the triangles of the input", cost},
-      {"rounds_of_messages", "", "in which all ranks exchange messages", count},
+      {"rounds_of_messages", "", "calls that all ranks make together", count},
       {"first_peak_bytes", "bytes", "largest resident set of rank 0, which makes the tables", cost},
       {"peak_bytes", "bytes", "largest resident set of any other rank", cost, several},
       {"first_write_cpu_seconds", "s", "processor time of rank 0 in the stage `write`", cost},
@@ -70,7 +70,8 @@ std::vector<ColumnInfo> columns() {
     append(list, {{stage + "_seconds", "s", what + ": wall of the slowest rank", cost},
                   {stage + "_cpu_seconds", "s", what + ": processor time of all ranks", cost},
                   {stage + "_bytes", "bytes", what + ": sent by all ranks", cost},
-                  {stage + "_rounds", "", what + ": rounds of messages", count}});
+                  {stage + "_messages", "", what + ": messages sent by all ranks", count},
+                  {stage + "_rounds", "", what + ": calls that all ranks make together", count}});
   add_spread_columns(list, "seconds", "s", "wall, from the input file to the end of the output");
   add_spread_columns(list, "cpu_seconds", "s", "processor time of all ranks");
   return list;
@@ -140,6 +141,7 @@ void add_stages(Row& row, const Reports& job) {
     row[stage + "_seconds"] = job.median([&](const Json& r) { return most_of_ranks(r, 0, of_stage("seconds")); });
     row[stage + "_cpu_seconds"] = job.median([&](const Json& r) { return sum_of_ranks(r, of_stage("cpu_seconds")); });
     row[stage + "_bytes"] = sum_of_ranks(job.first(), of_stage("bytes_sent"));
+    row[stage + "_messages"] = sum_of_ranks(job.first(), of_stage("messages_sent"));
     row[stage + "_rounds"] = most_of_ranks(job.first(), 0, of_stage("rounds"));
   }
   row["first_write_cpu_seconds"] =

@@ -87,7 +87,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   if (context.input.empty()) throw InputError("the run has no input; name data in its sweep");
   const RunFile file(context);
   BuildJob job;
-  job.input = context.input;
+  job.inputs = {context.input};
   job.output = file.path();
   job.reading = study_reading();
   job.build.cell_triangles = static_cast<std::uint32_t>(parameters.integer("cell_triangles"));
