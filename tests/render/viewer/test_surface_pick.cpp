@@ -97,6 +97,30 @@ TEST_F(SurfacePick, FindsWhatThePictureShows) {
     EXPECT_FALSE(drawing_.surface_at(0, size, x, y));
 }
 
+TEST_F(SurfacePick, TellsWhetherTheSurfaceMorphs) {
+  int by_kind[2] = {0, 0};
+  for (const double nearer : {1.0, 0.5, 0.25, 0.12}) {
+    state_.camera = dolly(state_.camera, nearer);
+    (void)draw();
+    for (int y = 2; y < size.height; y += 9)
+      for (int x = 2; x < size.width; x += 9) {
+        const auto surface = drawing_.surface_at(0, size, x, y);
+        if (!surface) continue;
+        const ModelFrame& model = drawing_.frame(0).models[surface->model];
+        const auto selected = std::ranges::find(model.selection->cells, surface->cell, &SelectedCell::cell);
+        ASSERT_NE(selected, model.selection->cells.end());
+        if (model.morph.hierarchy->cells[surface->cell].parent == no_cell) {
+          EXPECT_FALSE(surface->morphing);
+        } else {
+          EXPECT_EQ(surface->morphing, selected->morphing);
+          ++by_kind[selected->morphing];
+        }
+      }
+  }
+  EXPECT_GT(by_kind[0], 20);
+  EXPECT_GT(by_kind[1], 20);
+}
+
 TEST_F(SurfacePick, FollowsAFrozenSelectionAndALowerResolution) {
   (void)draw();
   apply(Action::toggle_frozen, state_);
