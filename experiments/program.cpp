@@ -34,6 +34,7 @@ int run_commands(int argc, char** argv) {
   add_completion(commands);
   add_manual(commands);
   install_signal_handlers();
+  allow_many_files();
   return run_command_line(commands, argc, argv);
 }
 

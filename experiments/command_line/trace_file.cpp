@@ -2,6 +2,7 @@
 
 #include <map>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -61,15 +62,20 @@ Json trace_events(const Trace& trace, int process, const std::string& name, cons
   return events;
 }
 
-void write_trace_events(Json&& events, const std::string& path) {
-  const std::string text = Json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}.dump();
+void write_trace_events(const std::vector<std::string>& lists, const std::string& path) {
   AtomicFile file(path);
-  file.write(std::as_bytes(std::span(text)));
+  const auto write = [&](std::string_view text) { file.write(std::as_bytes(std::span(text))); };
+  write(R"({"displayTimeUnit":"ms","traceEvents":[)");
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    if (i > 0) write(",");
+    write(std::string_view(lists[i]).substr(1, lists[i].size() - 2));  // without its brackets
+  }
+  write("]}");
   file.commit();
 }
 
 void write_trace(const Trace& trace, const std::string& path) {
-  write_trace_events(trace_events(trace, 1, {}, {}), path);
+  write_trace_events({trace_events(trace, 1, {}, {}).dump()}, path);
 }
 
 }  // namespace lodestone

@@ -18,6 +18,7 @@ void write_trace(const Trace& trace, const std::string& path);
 // workers are named by `others`.
 [[nodiscard]] Json trace_events(const Trace& trace, int process, const std::string& name,
                                 const std::vector<std::string>& others);
-void write_trace_events(Json&& events, const std::string& path);
+// `lists`: the events of a process each, as the text of an array.
+void write_trace_events(const std::vector<std::string>& lists, const std::string& path);
 
 }  // namespace lodestone

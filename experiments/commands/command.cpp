@@ -1,6 +1,7 @@
 #include "experiments/commands/command.h"
 
 #include <fmt/core.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -119,6 +120,14 @@ void set_interrupt_line(const char* line) { line_when_interrupted = line; }
 const char* interrupt_line() { return line_when_interrupted; }
 
 int interrupt_status() { return 128 + received; }
+
+void allow_many_files() {
+  constexpr rlim_t enough = 1 << 16;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= enough) return;
+  limit.rlim_cur = std::min(limit.rlim_max, enough);
+  (void)setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 void install_signal_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the shell's limit is an error of the write that made it so

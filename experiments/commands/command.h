@@ -32,6 +32,9 @@ struct FileArgument {
 void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
                  std::vector<FileArgument> outputs = {});
 
+// Raises the number of files that may be open as far as the system allows: a model may lie in thousands.
+void allow_many_files();
+
 // Ctrl-C and SIGTERM end the process at once, with one line, a status of 128 + signal and no temporary left. A command
 // that has more to clean up, or ends more tidily, takes the flag and looks at it often: then the first signal only sets
 // it, and the second one ends the process.

@@ -94,7 +94,8 @@ ReadConfig read_config(const InputOptions& options, const std::vector<std::strin
   if (options.up) config.up = up_axis(*options.up);
   if (options.grid.empty()) return config;
   config.raw_grid = parse_raw_grid(options.grid);
-  if (std::all_of(files.begin(), files.end(), [](const std::string& file) { return has_mesh_extension(file); }))
+  if (!files.empty() &&
+      std::all_of(files.begin(), files.end(), [](const std::string& file) { return has_mesh_extension(file); }))
     throw UsageError(describe("--grid", "", "'" + files.front() + "' is read by its extension",
                               "leave --grid out, or give the file another name"));
   return config;

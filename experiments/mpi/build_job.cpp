@@ -198,29 +198,30 @@ void print(const JobReport& report, const JobOptions& options) {
 }
 
 OptionTable declare(JobOptions& o) {
-  return {
-      OptionSpec{"IN", &o.inputs, std::string("Mesh, in one file or several: ") + mesh_formats},
-      OptionSpec{"--generate", &o.generator, "A generated surface instead of a file, such as sphere:16e6:1"}.of_type(
-          "SHAPE:TRIANGLES[:SEED]"),
-      OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode), in a folder that all machines share"}.must(),
-      up_option(o.reading.up),
-      {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
-      {"--sigma0", &o.sigma0, "As for lodestone build, like the options below"},
-      OptionSpec{"--cell-triangles", &o.cell_triangles, "Mean triangles per occupied finest cell"}.between(1, 1e9),
-      OptionSpec{"--levels", &o.levels, "Finest level L instead (the root is level 0)"}.between(0, max_level),
-      {"--half-levels", &o.half_levels, "Levels of a half of the triangles instead of a quarter"},
-      OptionSpec{"--lattice", &o.lattice_bits, "Put the vertices on multiples of 2^-BITS of the longest extent"}
-          .between(1, Lattice::most_bits)
-          .of_type("BITS"),
-      {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
-      {"--placement", &o.placement, "optimal or endpoint"},
-      {"--trace", &o.trace,
-       "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
-       "ui.perfetto.dev (.json)"},
-      OptionSpec{"--timeout", &o.timeout,
-                 "Time that a process waits for a message of another one before it ends the job"}
-          .between(1, 1e6)
-          .of_type("SECONDS")};
+  return with_input_options(
+      {OptionSpec{"IN", &o.inputs, std::string("Mesh, in one file or several: ") + mesh_formats},
+       OptionSpec{"--generate", &o.generator, "A generated surface instead of a file, such as sphere:16e6:1"}.of_type(
+           "SHAPE:TRIANGLES[:SEED]"),
+       OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode), in a folder that all machines share"}.must(),
+       up_option(o.reading.up),
+       {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
+       {"--sigma0", &o.sigma0, "As for lodestone build, like the options below"},
+       OptionSpec{"--cell-triangles", &o.cell_triangles, "Mean triangles per occupied finest cell"}.between(1, 1e9),
+       OptionSpec{"--levels", &o.levels, "Finest level L instead (the root is level 0)"}.between(0, max_level),
+       {"--half-levels", &o.half_levels, "Levels of a half of the triangles instead of a quarter"},
+       OptionSpec{"--lattice", &o.lattice_bits, "Put the vertices on multiples of 2^-BITS of the longest extent"}
+           .between(1, Lattice::most_bits)
+           .of_type("BITS"),
+       {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
+       {"--placement", &o.placement, "optimal or endpoint"},
+       {"--trace", &o.trace,
+        "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
+        "ui.perfetto.dev (.json)"},
+       OptionSpec{"--timeout", &o.timeout,
+                  "Time that a process waits for a message of another one before it ends the job"}
+           .between(1, 1e6)
+           .of_type("SECONDS")},
+      o.reading);
 }
 
 }  // namespace

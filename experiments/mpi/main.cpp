@@ -15,6 +15,7 @@ int run_commands(int argc, char** argv) {
   add_build_job(commands, transport);
   add_plan(commands, transport.rank() == 0);
   install_signal_handlers();
+  allow_many_files();
   set_interrupt_line(transport.rank() == 0 ? "lodestone-mpi: interrupted; no unfinished file was left\n" : "");
   const int status = run_command_line(commands, argc, argv, {.name = "lodestone-mpi", .silent = transport.rank() != 0});
   // The launcher ends all processes when the first has ended with an error: the others end with theirs.

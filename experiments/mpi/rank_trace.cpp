@@ -1,7 +1,6 @@
 #include "experiments/mpi/rank_trace.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "experiments/command_line/trace_file.h"
@@ -9,7 +8,8 @@
 namespace lodestone {
 namespace {
 
-constexpr double shortest_wait = 20e-6;  // seconds, that is recorded
+constexpr double shortest_wait = 20e-6;                    // seconds, that is recorded
+constexpr std::size_t piece_bytes = std::size_t{1} << 18;  // of a rank's events in a round
 
 }  // namespace
 
@@ -48,17 +48,20 @@ void RankTrace::gather() {
   end_stage();
   const std::string name = "rank " + std::to_string(ranks_.rank()) + " on " + ranks_.host();
   const std::string text = trace_events(*trace_, ranks_.rank(), name, {"stages", "messages"}).dump();
-  std::vector<std::vector<char>> out(static_cast<std::size_t>(ranks_.count()));
-  out.front().assign(text.begin(), text.end());
-  events_ = ranks_.exchange(out);
+  events_.resize(static_cast<std::size_t>(ranks_.count()));
+  for (std::size_t sent = 0; ranks_.any(sent < text.size()); sent += piece_bytes) {
+    std::vector<std::vector<char>> out(events_.size());
+    if (sent < text.size())
+      out.front().assign(text.begin() + static_cast<std::ptrdiff_t>(sent),
+                         text.begin() + static_cast<std::ptrdiff_t>(std::min(sent + piece_bytes, text.size())));
+    const std::vector<std::vector<char>> came = ranks_.exchange(out);
+    for (std::size_t rank = 0; rank < came.size(); ++rank) events_[rank].append(came[rank].begin(), came[rank].end());
+  }
 }
 
 void RankTrace::write() const {
   if (!trace_) return;
-  Json events = Json::array();
-  for (const std::vector<char>& of_rank : events_)
-    for (const Json& event : Json::parse(std::string_view(of_rank.data(), of_rank.size()))) events.push_back(event);
-  write_trace_events(std::move(events), path_);
+  write_trace_events(events_, path_);
 }
 
 }  // namespace lodestone

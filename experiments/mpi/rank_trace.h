@@ -13,8 +13,8 @@ namespace lodestone {
 
 class RankTrace {
  public:
-  // Called by all ranks, whose records begin at the same time, nearly. Empty path: nothing is recorded. The scheduler is
-  // replaced by one that records; neither it nor the ranks are used after this has ended.
+  // Called by all ranks, whose records begin at the same time, nearly. Empty path: nothing is recorded. The scheduler
+  // is replaced by one that records; neither it nor the ranks are used after this has ended.
   RankTrace(std::string path, Ranks& ranks, std::unique_ptr<Scheduler>& scheduler);
   void begin_stage(const std::string& name);
   // Called by all ranks at the end: the first gets the events of all.
@@ -31,7 +31,7 @@ class RankTrace {
   int workers_ = 0;
   std::string stage_;
   double stage_begin_ = 0;
-  std::vector<std::vector<char>> events_;  // by rank, at the first
+  std::vector<std::string> events_;  // by rank, at the first
 };
 
 }  // namespace lodestone

@@ -1,4 +1,5 @@
-// Work on many items in rounds, so that what is under way between the ranks is bounded: about 16 MiB at a rank.
+// Work on many items in rounds, so that what is under way between the ranks is bounded: about 16 MiB at a rank, and
+// 64 KiB for each of them where these are more than 256.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 
 namespace lodestone {
 
-// Items that a rank looks at in one round. Were all of them for one rank, it would get four times 2^16.
+// Items that a rank looks at in one round. Were all of them for one rank, it would get max(2^18, 2^10 R).
 [[nodiscard]] inline std::uint64_t piece_items(const Ranks& ranks) {
   return std::max<std::uint64_t>((std::uint64_t{1} << 18) / static_cast<std::uint64_t>(ranks.count()), 1 << 10);
 }

@@ -43,7 +43,8 @@ struct RankPlan {
   [[nodiscard]] std::uint64_t moved_bytes() const;
 };
 
-// Bytes are those of the cells' messages without what Ranks puts before each, which is 32 bytes. Complexity: cells and
+// Bytes are those of the cells' messages without what Ranks puts before each, which is 32 bytes, and once where they
+// go by way of another rank. Complexity: cells and
 // shared vertices. Memory: 24 bytes per cell, and per rank a few numbers. Throws UnsupportedError for a hierarchy with
 // attributes, which is not built by ranks.
 [[nodiscard]] RankPlan plan_ranks(const Hierarchy& hierarchy, const PlanConfig& config);

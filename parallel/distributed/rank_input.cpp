@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <system_error>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 #include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
@@ -83,6 +85,19 @@ std::uint64_t bytes_of(const fs::path& path) {
   return sum;
 }
 
+// Some PLY files have other faces than triangles, which shows when they are read: mostly at the first.
+std::unique_ptr<MeshStream> open_pieces(const fs::path& path, const ReadConfig& config) {
+  std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config);
+  if (!stream || stream->triangle_count() == 0) return nullptr;
+  try {
+    Triangle first;
+    stream->read_triangles(0, std::span(&first, 1));
+    return stream;
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
 class InputParts {
  public:
   InputParts(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks, Scheduler& scheduler)
@@ -93,6 +108,7 @@ class InputParts {
 
   // The whole parts of this rank; then all know of all.
   void read() {
+    require_agreement();
     std::vector<std::size_t> own;
     for (std::size_t p = 0; p < parts_.size(); ++p)
       if (!parts_[p].stream && share_of(middle(p)) == ranks_.rank()) own.push_back(p);
@@ -139,7 +155,7 @@ class InputParts {
     const fs::path path = mesh_path(files_[file]);
     std::error_code ignored;
     if (!fs::is_directory(path, ignored)) {
-      if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config_)) {
+      if (std::unique_ptr<MeshStream> stream = open_pieces(path, config_)) {
         Part part{.file = file, .bytes = bytes_of(path)};
         part.figures.vertices = stream->vertex_count();
         part.figures.triangles = stream->triangle_count();
@@ -161,6 +177,19 @@ class InputParts {
       }
     }
     parts_.push_back({.file = file, .bytes = bytes_of(path)});
+  }
+
+  // Shares follow from what each rank sees of the files.
+  void require_agreement() {
+    std::vector<std::uint64_t> seen(ends_);
+    for (const Part& part : parts_) {
+      seen.push_back(part.figures.vertices);
+      seen.push_back(part.figures.triangles);
+    }
+    const std::vector<std::uint64_t> all = ranks_.gather(checksum(std::as_bytes(std::span(seen))));
+    if (std::ranges::adjacent_find(all, std::not_equal_to()) != all.end())
+      throw InputError(describe(name_of_files(files_), "", "differs from rank to rank",
+                                "give all machines the same files, under one name"));
   }
 
   void read_part(Part& part) {

@@ -27,9 +27,10 @@ struct RankInput {
 [[nodiscard]] RankInput shared_out(std::shared_ptr<const MeshStream> stream, int ranks);
 
 // Called by all ranks with the same files, at least one, which are one mesh in their order, as load_meshes reads them.
-// Files that are read in pieces are cut where the ranks' shares meet; files of other formats, and the tiles of a
-// tileset, are dealt out as wholes by their bytes, and each is in the memory of its rank alone: 24 bytes per vertex and
-// 12 per triangle. Throws what load_meshes throws; UnsupportedError for attributes that `config` does not leave out.
+// Files that are read in pieces are cut where the ranks' shares meet; other files, and the tiles of a tileset, are
+// dealt out as wholes by their bytes, and each is in the memory of its rank alone: 24 bytes per vertex and 12 per
+// triangle. Throws what load_meshes throws, and InputError for a PLY file whose faces are triangles at first and others
+// later, and where ranks see different files.
 [[nodiscard]] RankInput open_rank_input(std::span<const std::filesystem::path> files, const ReadConfig& config,
                                         Ranks& ranks, Scheduler& scheduler);
 

@@ -13,7 +13,6 @@
 #include "parallel/distributed/pieces.h"
 #include "parallel/distributed/rank_signatures.h"
 #include "parallel/hierarchy/level_table.h"
-#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {

@@ -20,7 +20,7 @@ inline constexpr std::uint64_t table_bytes_per_cell = 700, table_bytes_per_share
 // provenance) at that rank alone, and creates the file under a temporary name; every rank writes the payloads of its
 // cells where they belong. Then all call last_words(), for their last messages; when none has failed, rank 0 writes the
 // rest and renames the file. Returns its size at rank 0. Memory: a mebibyte for each
-// worker, 48 bytes per shared vertex of the level with the most, and at rank 0 the tables.
+// worker, what add_rank_signatures takes, and at rank 0 the tables.
 std::uint64_t save_ranks(const std::vector<CellPart>& levels, Hierarchy& head, const std::filesystem::path& path,
                          const std::function<void()>& last_words, Ranks& ranks, Scheduler& scheduler);
 

@@ -59,6 +59,7 @@ Met meet(const OwnCopies& own, Ranks& ranks) {
     int from;
   };
   std::vector<Came> came;
+  came.reserve(own.size() + own.size() / 16);  // growing would take it twice
   exchange_in_pieces<CopyItem>(
       ranks, own.size(),
       [&](std::uint64_t i, const auto& emit) {
@@ -95,10 +96,11 @@ std::vector<CellSets> gather_sets(const CellSets& own, Ranks& ranks) {
       [&](int from, const std::vector<std::uint32_t>& words) {
         CellSets& part = parts[static_cast<std::size_t>(from)];
         for (std::size_t w = 0; w < words.size();) {
-          part.first.push_back(words.at(w) | std::uint64_t{words.at(w + 1)} << 32);
-          part.errors.push_back(std::bit_cast<float>(words.at(w + 2)));
-          const std::size_t count = words.at(w + 3);
-          if (count > words.size() - w - 4) throw Error("a message ends within a set of cells");
+          const std::size_t left = words.size() - w;
+          if (left < 4 || words[w + 3] > left - 4) throw Error("a message ends within a set of cells");
+          part.first.push_back(words[w] | std::uint64_t{words[w + 1]} << 32);
+          part.errors.push_back(std::bit_cast<float>(words[w + 2]));
+          const std::size_t count = words[w + 3];
           std::vector<CellId>& cells = part.cells.emplace_back();
           for (std::size_t k = 0; k < count; ++k) cells.emplace_back(words[w + 4 + k]);
           w += 4 + count;

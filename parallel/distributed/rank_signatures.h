@@ -29,7 +29,7 @@ struct LevelBorders {
 };
 
 // Called by all ranks for each level from the root, with their cells, ascending. Rank 0 appends the level to the table;
-// the others leave both as they are. Memory: 48 bytes per shared vertex of a share that is as large as the rank's own
+// the others leave both as they are. Memory: 100 bytes per shared vertex of a share that is as large as the rank's own
 // on average; at rank 0 the sets of the level, a few hundred bytes per cell, and a byte per shared vertex.
 void add_rank_signatures(std::span<const RankBorder> own, const LevelBorders& all, Signatures::Table& table,
                          Ranks& ranks);

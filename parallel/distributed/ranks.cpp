@@ -103,9 +103,9 @@ std::vector<Message> Ranks::exchange_by_way(std::vector<Message>&& out) {
   const Square square(count());
   std::vector<Message> onward(out.size());  // by rank of the own column: parcels for it
   const auto sort = [&](int giver, const Message& parcels) {
-    for (ParcelReader reader(parcels); !reader.at_end();) {
+    for (ParcelReader reader(parcels, count()); !reader.at_end();) {
       const Parcel parcel = reader.read();
-      if (at(parcel.rank) >= out.size() || square.column(parcel.rank) != square.column(rank()))
+      if (square.column(parcel.rank) != square.column(rank()))
         throw Error("a message of rank " + std::to_string(giver) + " is for another rank than it came to");
       append_parcel({giver, parcel.content}, onward[at(parcel.rank)]);
     }
@@ -129,9 +129,9 @@ std::vector<Message> Ranks::exchange_by_way(std::vector<Message>&& out) {
 
   std::vector<Message> in(out.size());
   const auto take = [&](const Message& parcels) {
-    for (ParcelReader reader(parcels); !reader.at_end();) {
+    for (ParcelReader reader(parcels, count()); !reader.at_end();) {
       const Parcel parcel = reader.read();
-      in.at(at(parcel.rank)).assign(parcel.content.begin(), parcel.content.end());
+      in[at(parcel.rank)].assign(parcel.content.begin(), parcel.content.end());
     }
   };
   const std::vector<int> column = square.members(square.column(rank()));
@@ -154,9 +154,9 @@ std::vector<Message> Ranks::gather_messages(Message&& own) {
     }
     send((rank() + count() - known) % count(), parcels);
     const Message came = receive((rank() + known) % count());
-    for (ParcelReader reader(came); !reader.at_end();) {
+    for (ParcelReader reader(came, count()); !reader.at_end();) {
       const Parcel parcel = reader.read();
-      all.at(at(parcel.rank)).assign(parcel.content.begin(), parcel.content.end());
+      all[at(parcel.rank)].assign(parcel.content.begin(), parcel.content.end());
     }
     ++step_;
   }

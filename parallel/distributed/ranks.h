@@ -45,16 +45,17 @@ class Ranks {
   [[nodiscard]] int count() const { return transport_.ranks(); }
   [[nodiscard]] const std::string& host() const { return transport_.host(); }
   [[nodiscard]] const Traffic& traffic() const { return traffic_; }
-  // Called after each wait for a message, with its length and the rank that it was for.
+  // Called after each wait for a message, with its duration and the rank that it was for.
   void watch(std::function<void(double seconds, int from)> on_wait) { on_wait_ = std::move(on_wait); }
 
   // One round: out[r] goes to rank r; returns what each rank has sent to this one. Throws Error when a message has
-  // another size or belongs to another call than it should.
+  // another size or belongs to another call than it should, and what the transport throws.
   [[nodiscard]] std::vector<Message> exchange(std::vector<Message>&& out);
   template <class Item>
   [[nodiscard]] std::vector<std::vector<Item>> exchange(const std::vector<std::vector<Item>>& out);
 
-  // The values of all ranks, by rank, in log2 R steps of a message each.
+  // The values of all ranks, by rank, in log2 R steps of a message each, the last of which has half of them. These and
+  // all below throw as exchange does.
   template <class Value>
   [[nodiscard]] std::vector<Value> gather(const Value& value);
   template <class Value>
@@ -62,7 +63,7 @@ class Ranks {
     const auto bytes = std::as_bytes(std::span(values));
     return items_of<Value>(gather_messages({bytes.begin(), bytes.end()}));
   }
-  [[nodiscard]] std::uint64_t sum(std::uint64_t value);
+  [[nodiscard]] std::uint64_t sum(std::uint64_t value);  // modulo 2^64
   [[nodiscard]] std::uint64_t maximum(std::uint64_t value);
   [[nodiscard]] bool any(bool value) { return maximum(value) > 0; }
   // Rank 0 waits for all others, of which none waits for it: what it does after that, it does if none has failed.

@@ -107,7 +107,7 @@ class PlyStream final : public FileStream {
       if (sound < now)
         throw InputError(describe(name(), "face " + std::to_string(first + done + sound),
                                   "is not a triangle, or has an index out of range",
-                                  "make triangles of all faces, or build without --memory-limit"));
+                                  "make triangles of all faces, or use lodestone build without --memory-limit"));
     });
   }
   [[nodiscard]] RawWedges wedges() const override {

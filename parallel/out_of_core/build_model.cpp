@@ -1,6 +1,7 @@
 #include "parallel/out_of_core/build_model.h"
 
 #include <algorithm>
+#include <array>
 #include <system_error>
 #include <type_traits>
 #include <utility>
@@ -46,7 +47,13 @@ std::uint64_t in_core_bytes(std::uint64_t vertices, std::uint64_t triangles, int
 // Files that are in memory as a whole while they are read; Draco needs tables of its own, too.
 std::uint64_t reading_bytes(std::span<const std::filesystem::path> files, const RawMesh& mesh) {
   const std::uint64_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-  if (files.size() > 1) return 48 * vertices + 24 * triangles;  // arrays that grow are there twice
+  if (files.size() > 1) {  // arrays that grow are there twice, and a packed file may be nearly all
+    constexpr std::array packed{".drc", ".glb", ".gltf"};
+    const bool any_packed = std::ranges::any_of(files, [&](const std::filesystem::path& file) {
+      return std::ranges::find(packed, extension_of(file)) != packed.end();
+    });
+    return std::max(48 * vertices + 24 * triangles, any_packed ? 80 * triangles : 0);
+  }
   const std::filesystem::path& path = files.front();
   const std::string extension = extension_of(path);
   const std::uint64_t plain = 24 * vertices + 28 * triangles;

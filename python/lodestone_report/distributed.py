@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from .figures import Figure, Panel, Point, Series
-from .rank_model import HEAD, MOST_DIRECT, NETWORKS, Job, Model
+from .rank_model import HEAD, MOST_DIRECT, NETWORKS, PARCEL, Job, Model
 from .result_tables import STAGES
 from .text import short_number
 from .values import is_number, median
@@ -134,7 +134,8 @@ def breaks(model, triangles=TRIANGLES[0]):
         (first_rank_count(lambda r: at(r).bytes / triangles > MOST_BYTES), "traffic",
          f"ranks send more than {MOST_BYTES} bytes for each triangle"),
         (first_rank_count(lambda r: at(r).heads > at(r).bytes / 2), "heads of messages",
-         f"the {HEAD} bytes before each message are more than the content, because most messages of a round have little"),
+         f"the {HEAD} bytes before each message, and the {PARCEL} before each part of one that goes by way of others, are more than "
+         "the content"),
         (first_rank_count(lambda r: at(r).rounds_seconds > work / r), "rounds",
          "messages and their latency take longer than the work that they are for"),
         (first_rank_count(lambda r: model.uneven("levels", Job(triangles, r), False) > 2), "coarse levels",
@@ -150,8 +151,8 @@ def breaking_lines(model):
     large = Job(TRIANGLES[0], RANKS[-1])
     built, direct = (model.predict(large, USUAL, direct=direct) for direct in (False, True))
     lines = [f"The order, with the ranks from which each holds: {order}.", "",
-             f"- Above {MOST_TRIANGLES / 1e9:.1f} 10^9 triangles the program refuses the input: numbers of triangles and vertices "
-             "have 32 bits. Predictions beyond that are of a program with longer ones, whose messages would be larger by up to a "
+             f"- Above {MOST_TRIANGLES / 1e9:.1f} 10^9 triangles the program refuses the input, and above a sixth of that from STL, which "
+             "has three vertices for each: numbers of triangles and vertices have 32 and 31 bits. Predictions beyond that are of a program with longer ones, whose messages would be larger by up to a "
              "half.",
              f"- Metadata of cells: rank 0 holds up to {short_number(per_triangle)} bytes for each triangle of the input, which is "
              f"{short_number(MACHINE_MEMORY / 1e9)} GB at {short_number(MACHINE_MEMORY / per_triangle / 1e9)} 10^9 triangles, "

@@ -15,6 +15,7 @@ from .result_tables import STAGES
 from .values import is_number, median
 
 HEAD = 32                       # bytes before the content of a message
+PARCEL, NUMBER = 8, 8          # bytes before what a message has for or from one of several ranks; of a number told to all
 ROUND_ITEMS, FEWEST_ITEMS = 2**18, 2**10
 MOST_DIRECT = 48                # ranks that have a message between any two in a round, as Ranks has it
 SAMPLES = 2**16                 # triangles, at least, by which the ranks' borders are chosen
@@ -65,6 +66,14 @@ def messages_of(fixed, growing, ranks, direct=False):
     others = ranks - 1
     steps = others if direct else math.ceil(math.log2(ranks))
     return fixed * steps + growing * (2 * (math.ceil(math.sqrt(ranks)) - 1) if by_way(ranks, direct) else others)
+
+
+def heads_of(fixed, growing, ranks, direct=False):
+    """Bytes around the content of all ranks' messages in those rounds, and of the numbers that all are told."""
+    parcels = 0 if direct else fixed * (ranks - 1) * (PARCEL + NUMBER)
+    if by_way(ranks, direct):
+        parcels += growing * 2 * PARCEL * min(items_of(ranks), ranks - 1)
+    return ranks * (HEAD * messages_of(fixed, growing, ranks, direct) + parcels)
 
 
 def latencies_of(fixed, growing, ranks, direct=False):
@@ -216,6 +225,7 @@ class Model:
         self.single = [s for s in jobs if s.value("rank_threads") == 1]
         self.cost = {stage: self.fit_cost(stage) for stage in STAGES}
         self.first = self.by_data(self.first_cost)
+        self.first_bytes = self.by_data(self.first_received)
         self.rounds = {stage: fit([(1, pieces_of(self.job(s))) for s in self.single],
                                   [s.value(f"{stage}_rounds") for s in self.single]) for stage in STAGES}
         self.sent = {stage: self.by_data(lambda s, stage=stage: self.content_share(stage, s)) for stage in STAGES}
@@ -259,6 +269,11 @@ class Model:
         triangles, ranks = self.size(setting)
         own = setting.value("first_write_cpu_seconds")
         return max(own - (setting.value("write_cpu_seconds") - own) / (ranks - 1), 0.0) / triangles
+
+    def first_received(self, setting):
+        """Bytes that rank 0 gets for the tables, for each triangle of the others."""
+        triangles, ranks = self.size(setting)
+        return setting.value("first_write_bytes") / (triangles * (1 - 1 / ranks))
 
     def content_share(self, stage, setting):
         """Bytes of content for each triangle whose receiver is another rank; of `levels` and `finest` over what `ranks` says.
@@ -315,7 +330,7 @@ class Model:
             triangle, byte, message = self.cost[stage] or (0, 0, 0)
             fixed, growing = self.rounds_of(stage, job)
             messages = messages_of(fixed, growing, job.ranks, direct)
-            heads = HEAD * messages * job.ranks
+            heads = heads_of(fixed, growing, job.ranks, direct)
             sent = self.content(stage, job) * (2 if by_way(job.ranks, direct) else 1) + heads
             waiting = 0 if network.shared else (latencies_of(fixed, growing, job.ranks, direct) * network.latency +
                                                 2 * messages * network.message)
@@ -341,5 +356,5 @@ class Model:
         """Rank 0 makes the tables of all cells, and gets what it needs for them, while the others wait."""
         if job.ranks == 1 and network.shared:
             return 0.0
-        own = self.first.get(job.data, self.first[""])
-        return own * job.triangles * (1 - 1 / job.ranks) + self.content("write", job) / network.bandwidth
+        own, received = (of.get(job.data, of[""]) for of in (self.first, self.first_bytes))
+        return job.triangles * (1 - 1 / job.ranks) * (own + received / network.bandwidth)

@@ -3,6 +3,7 @@ usage: test_command_limit.py PROGRAM"""
 
 import os
 import random
+import resource
 import signal
 import subprocess
 import time
@@ -51,6 +52,13 @@ class SameFiles(CommandCase):
         results = self.results("build", big(), "-o", "m.lode", *BUILD, "--memory-limit", "8GiB", "--resume")
         self.assertNotIn("scratch", results)
         self.assertEqual((self.folder / "m.lode").read_bytes(), expected(*BUILD))
+
+    def test_more_files_than_a_shell_lets_be_open(self):
+        part = model("part.ply", "generate", "sphere", "--triangles", 300).read_bytes()
+        files = [self.write(f"{i}.ply", part) for i in range(60)]
+        done = command_case.call("build", *files, "-o", "m.lode", "--memory-limit", "1GiB", "--quiet", cwd=self.folder,
+                                 preexec=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (40, 4096)))
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
 
     def test_attributes_can_be_left_out(self):
         points, faces, repairs = dirty_mesh(1)

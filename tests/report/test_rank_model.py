@@ -35,7 +35,7 @@ def job(triangles, ranks, threads=1):
         values |= {f"{stage}_cpu_seconds": TRIANGLE * work + MESSAGE * messages, f"{stage}_bytes": sent,
                    f"{stage}_rounds": rounds, f"{stage}_messages": messages, f"{stage}_seconds": TRIANGLE * work / ranks / threads}
     sent = sum(values[f"{stage}_bytes"] for stage in STAGES)
-    values |= {"first_write_cpu_seconds": ((TRIANGLE - TABLES) * triangles + MESSAGE * messages) / ranks + TABLES * triangles,
+    values |= {"first_write_bytes": 2 * triangles * (1 - 1 / ranks), "first_write_cpu_seconds": ((TRIANGLE - TABLES) * triangles + MESSAGE * messages) / ranks + TABLES * triangles,
                "cpu_seconds": sum(values[f"{stage}_cpu_seconds"] for stage in STAGES), "seconds": 1.0,
                "bytes_per_triangle": sent / triangles, "rounds_of_messages": rounds * len(STAGES),
                "first_peak_bytes": 4e7 + 60 * triangles / ranks + 5 * triangles,
@@ -99,7 +99,7 @@ class Models(unittest.TestCase):
             large = Job(1e9, ranks)
             found = self.model.predict(large, NETWORKS[1])
             direct = self.model.predict(large, NETWORKS[1], direct=True)
-            self.assertLess(found.heads, direct.heads)
+            self.assertTrue(found.heads < direct.heads or ranks < 64)
             self.assertTrue(found.seconds < direct.seconds or ranks < 256)
             self.assertGreater(found.first_peak_bytes, found.peak_bytes)
             self.assertGreaterEqual(found.first_seconds, TABLES * 1e9 * (1 - 1 / ranks) * 0.99)
@@ -114,7 +114,7 @@ class Models(unittest.TestCase):
         ranks = [count or math.inf for count, *_ in distributed.breaks(self.model)]
         self.assertEqual(ranks, sorted(ranks))
         text = "\n".join(distributed.breaking_lines(self.model))
-        for word in ("rank 0 alone", "Splitters", "Coarse levels", "Metadata of cells", "32 bits", "The order"):
+        for word in ("rank 0 alone", "Splitters", "Coarse levels", "Metadata of cells", "32 and 31 bits", "The order"):
             self.assertIn(word, text)
 
 

@@ -63,6 +63,7 @@ std::vector<ColumnInfo> columns() {
       {"rounds_of_messages", "", "calls that all ranks make together", count},
       {"first_peak_bytes", "bytes", "largest resident set of rank 0, which makes the tables", cost},
       {"peak_bytes", "bytes", "largest resident set of any other rank", cost, several},
+      {"first_write_bytes", "bytes", "that rank 0 receives in the stage `write`", cost},
       {"first_write_cpu_seconds", "s", "processor time of rank 0 in the stage `write`", cost},
       {"hash", "", "of the file's cells and payloads", label},
       {"same", "", "the file is that of one rank, in all rounds", label}};
@@ -144,6 +145,7 @@ void add_stages(Row& row, const Reports& job) {
     row[stage + "_messages"] = sum_of_ranks(job.first(), of_stage("messages_sent"));
     row[stage + "_rounds"] = most_of_ranks(job.first(), 0, of_stage("rounds"));
   }
+  row["first_write_bytes"] = number(job.first().at("ranks")[0].at("stages").at("write"), "bytes_received");
   row["first_write_cpu_seconds"] =
       job.median([](const Json& r) { return number(r.at("ranks")[0].at("stages").at("write"), "cpu_seconds"); });
 }

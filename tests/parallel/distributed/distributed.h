@@ -39,7 +39,7 @@ class Distributed : public FolderTest {
         ranks,
         [&](Transport& transport) {
           const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
-          Ranks all(transport);
+          Ranks all(transport, most_direct_);
           DistributedResult result = build_distributed(input, config_, all, *scheduler);
           if (transport.rank() == 0) first = std::move(result);
         },
@@ -73,6 +73,7 @@ class Distributed : public FolderTest {
   }
 
   DistributedConfig config_;
+  int most_direct_ = 48;  // ranks that exchange directly
 };
 
 }  // namespace lodestone::testing

@@ -49,6 +49,12 @@ TEST_F(Distributed, TakesFewTriangles) {
   expect_same(mesh(sphere(1)));
 }
 
+TEST_F(Distributed, ExchangesByWayOfOtherRanks) {
+  most_direct_ = 0;
+  const std::string expected = in_memory({mesh(test::with_faults(sphere(5), 3))});
+  for (const int ranks : {2, 5, 7, 9}) EXPECT_TRUE(built({folder_ / "m.ply"}, ranks, 0) == expected) << ranks;
+}
+
 TEST_F(Distributed, BuildsHalfLevels) {
   config_.build.half_levels = true;
   expect_same(mesh(sphere(5)));

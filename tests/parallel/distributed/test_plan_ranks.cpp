@@ -40,10 +40,10 @@ double imbalance(const DistributedResult& result) {
   return most * static_cast<double>(result.ranks.size()) / sum;
 }
 
-// Every message has 32 bytes before its content, and what ranks add up has 24 for each.
+// Every message has 32 bytes before its content, and what ranks add up has 16 for each.
 std::uint64_t most_envelopes(const DistributedResult& result) {
   const std::uint64_t ranks = result.ranks.size();
-  return result.ranks.front().stages[3].traffic.rounds * ranks * (ranks - 1) * (32 + 24);
+  return result.ranks.front().stages[3].traffic.rounds * ranks * (ranks - 1) * (32 + 16);
 }
 
 TEST_F(PlanRanks, SayWhatBuildsReport) {

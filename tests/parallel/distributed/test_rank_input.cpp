@@ -1,6 +1,7 @@
 // Several files as one mesh, read by several ranks: the bytes of a build of the same files on one machine.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "core/mesh/generate.h"
@@ -131,6 +132,34 @@ TEST_F(RankInputTest, ErrorsNameTheFileOfAPart) {
         (void)load_meshes(std::vector{good, turned}, *scheduler);
       },
       {"c.obj", "y as its up axis", "z", "--up"});
+}
+
+// Binary PLY of other faces is read as a whole.
+TEST_F(RankInputTest, PolygonsOfBinaryFilesAreRead) {
+  RawMesh mesh;
+  for (std::uint32_t y = 0; y < 20; ++y)
+    for (std::uint32_t x = 0; x < 20; ++x) mesh.positions.push_back({x * 1.0, y * 1.0, std::sin(0.3 * x * y)});
+  std::ofstream out(folder_ / "quads.ply", std::ios::binary);
+  out << ply_header(400, 361, ScalarType::float32);
+  for (const Vec3d& p : mesh.positions) {
+    const Vec3f position = to_float(p);
+    out.write(reinterpret_cast<const char*>(&position), sizeof(position));
+  }
+  for (std::uint32_t y = 0; y < 19; ++y)
+    for (std::uint32_t x = 0; x < 19; ++x) {
+      const std::uint32_t v[4]{20 * y + x, 20 * y + x + 1, 20 * y + x + 21, 20 * y + x + 20};
+      out.put(4).write(reinterpret_cast<const char*>(v), sizeof(v));
+    }
+  out.close();
+  expect_same({folder_ / "quads.ply", part("a.ply", 0, 500)});
+}
+
+TEST_F(RankInputTest, RanksSeeTheSameFiles) {
+  const fs::path one = part("one.ply", 0, 1000), other = part("other.ply", 0, 1001);
+  const OpenInput open = [&](Ranks& ranks, Scheduler& workers) {
+    return open_rank_input(std::vector{ranks.rank() == 1 ? other : one}, {}, ranks, workers);
+  };
+  expect_error_of<InputError>([&] { (void)build(open, 3, 0); }, {".ply", "differs from rank to rank"});
 }
 
 TEST_F(RankInputTest, AttributesOfAnyPartAreRefused) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/parcels.h"
 #include "parallel/distributed/pieces.h"
 #include "parallel/distributed/slices.h"
 #include "tests/expect_error.h"
@@ -175,6 +176,19 @@ TEST(Ranks, RefuseMessagesOfWrongSizeOrOrder) {
   expect_error_of<Error>([] { run_with_fault([](Message& m) { return m.resize(m.size() + 8), true; }); }, {"damaged"});
   // A lost one is noticed by the next.
   expect_error_of<Error>([] { run_with_fault([](Message&) { return false; }); }, {"message of rank 1"});
+}
+
+TEST(Parcels, OfOtherSizesOrRanksAreRefused) {
+  Message message;
+  append_parcel({3, Message(5)}, message);
+  append_parcel({0, {}}, message);
+  ParcelReader reader(message, 4);
+  EXPECT_EQ(reader.read().content.size(), 5u);
+  EXPECT_EQ(reader.read().rank, 0);
+  EXPECT_TRUE(reader.at_end());
+  expect_error_of<Error>([&] { (void)ParcelReader(message, 3).read(); }, {"names a rank that is none"});
+  expect_error_of<Error>([&] { (void)ParcelReader(std::span(message).first(12), 4).read(); }, {"ends within a parcel"});
+  expect_error_of<Error>([&] { (void)ParcelReader(std::span(message).first(7), 4).read(); }, {"ends within a parcel"});
 }
 
 }  // namespace
