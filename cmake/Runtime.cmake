@@ -18,6 +18,7 @@ set(sources
   core/hierarchy/model/find_signatures.cpp
   core/hierarchy/model/hierarchy.cpp
   core/hierarchy/model/pack_normals.cpp
+  core/hierarchy/model/signature_sets.cpp
   core/hierarchy/model/signatures.cpp
   core/hierarchy/model/structure.cpp
   core/math/lattice.cpp
