@@ -27,11 +27,21 @@ ParameterInfo threads_parameter() {
       {"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}});
 }
 
+ParameterInfo cell_triangles_parameter() {
+  return {"cell_triangles",
+          BuildConfig{}.cell_triangles,
+          "",
+          "mean triangles per finest cell that L is chosen for",
+          1,
+          1e9,
+          {}};
+}
+
 std::vector<ParameterInfo> build_parameters() {
   const BuildConfig config;
   return {
       {"sigma0", 0.4, "", "displacement bound: |v - P(v)| <= sigma0 h / 2", 1e-4, 2, {}},
-      {"cell_triangles", config.cell_triangles, "", "mean triangles per finest cell that L is chosen for", 1, 1e9, {}},
+      cell_triangles_parameter(),
       {"finest_level", -1, "", "L; -1: from cell_triangles", -1, max_level, {}},
       {"half_levels", false, "", "levels of a half of the triangles instead of a quarter", 0, 0, {}},
       {"simplifier", "quadric", "", "what collapses", 0, 0, simplifier_names()},

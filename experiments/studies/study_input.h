@@ -24,6 +24,7 @@ void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more);
 [[nodiscard]] std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns);
 
 [[nodiscard]] ParameterInfo threads_parameter();
+[[nodiscard]] ParameterInfo cell_triangles_parameter();
 [[nodiscard]] std::vector<ParameterInfo> build_parameters();  // how a hierarchy is built, strategy included
 // Those, and what needs the whole hierarchy in memory: split edges, measured errors.
 [[nodiscard]] std::vector<ParameterInfo> in_core_build_parameters();

@@ -85,19 +85,6 @@ std::uint64_t bytes_of(const fs::path& path) {
   return sum;
 }
 
-// Some PLY files have other faces than triangles, which shows when they are read: mostly at the first.
-std::unique_ptr<MeshStream> open_pieces(const fs::path& path, const ReadConfig& config) {
-  std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config);
-  if (!stream || stream->triangle_count() == 0) return nullptr;
-  try {
-    Triangle first;
-    stream->read_triangles(0, std::span(&first, 1));
-    return stream;
-  } catch (const InputError&) {
-    return nullptr;
-  }
-}
-
 class InputParts {
  public:
   InputParts(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks, Scheduler& scheduler)
@@ -155,7 +142,7 @@ class InputParts {
     const fs::path path = mesh_path(files_[file]);
     std::error_code ignored;
     if (!fs::is_directory(path, ignored)) {
-      if (std::unique_ptr<MeshStream> stream = open_pieces(path, config_)) {
+      if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config_)) {
         Part part{.file = file, .bytes = bytes_of(path)};
         part.figures.vertices = stream->vertex_count();
         part.figures.triangles = stream->triangle_count();

@@ -23,7 +23,7 @@ struct CopyItem {
 
 std::uint64_t number_of(const CopyItem& item) { return std::uint64_t{item.cell} << 32 | item.vertex; }
 
-// Calls visit(items...) for the own copies, in their order.
+// The shared vertices of the own cells, one after the other.
 class OwnCopies {
  public:
   OwnCopies(std::span<const RankBorder> own, const Ranks& ranks) : own_(own), ranks_(ranks), first_{0} {

@@ -90,8 +90,10 @@ class PlyStream final : public FileStream {
     has_attributes_ = config.attributes && !layout.attributes.empty();
     if (complete()) add_ply_warnings(header, name(), config.attributes, file().size() - layout.end, warnings_);
   }
+  // Other faces than triangles show when they are read: mostly at the first.
   [[nodiscard]] bool complete() const {
-    return readable(vertex_records_, file()) && readable(triangle_records_, file()) && layout_.end <= file().size();
+    return readable(vertex_records_, file()) && readable(triangle_records_, file()) && layout_.end <= file().size() &&
+           begins_with_triangle();
   }
 
   void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* wedges) const override {
@@ -117,6 +119,15 @@ class PlyStream final : public FileStream {
   }
 
  private:
+  [[nodiscard]] bool begins_with_triangle() const {
+    std::vector<char> face(layout_.triangles.stride);
+    Triangle first;
+    return triangle_records_.count == 0 ||
+           (file().read_at(triangle_records_.offset, face) == face.size() &&
+            decode_triangles(layout_.triangles, face, static_cast<std::uint32_t>(vertices_), std::span(&first, 1)) ==
+                1);
+  }
+
   PlyFixedLayout layout_;
   Records vertex_records_, triangle_records_;
 };

@@ -33,14 +33,7 @@ const std::vector<std::pair<std::string, std::string>> stages{
 std::vector<ParameterInfo> parameters() {
   return {as_condition({"ranks", 2, "", "processes that build together", 1, 4096, {}}),
           as_condition({"rank_threads", 1, "", "threads of each; processors are not bound to ranks", 1, 4096, {}}),
-          rounds_parameter(3),
-          {"cell_triangles",
-           BuildConfig{}.cell_triangles,
-           "",
-           "mean triangles per finest cell that L is chosen for",
-           1,
-           1e9,
-           {}}};
+          rounds_parameter(3), cell_triangles_parameter()};
 }
 
 std::vector<ColumnInfo> columns() {

@@ -18,13 +18,7 @@ namespace ranks_study {
 
 std::vector<ParameterInfo> parameters() {
   return {threads_parameter(),
-          {"cell_triangles",
-           BuildConfig{}.cell_triangles,
-           "",
-           "mean triangles per finest cell that L is chosen for",
-           1,
-           1e9,
-           {}},
+          cell_triangles_parameter(),
           as_condition(
               {"virtual_ranks", 4096, "", "most ranks to plan for; and a quarter of them, and so on", 2, 1 << 20, {}}),
           {"seed",
