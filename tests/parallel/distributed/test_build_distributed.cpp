@@ -107,7 +107,7 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
       "property list uchar int vertex_indices\nend_header\n" +
-          std::string(3 * 15 + 13, '\3'));
+          std::string(3 * 15, '\3') + std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13));
   expect_error_of<UnsupportedError>([&] { (void)build(open_mesh_stream(coloured), 2, 0); },
                                     {"c.ply", "attributes", "--no-attributes"});
 }
