@@ -93,7 +93,13 @@ TEST_F(StreamTest, OtherFilesAreNoStreams) {
   EXPECT_EQ(open_mesh_stream(folder_ / "cut.ply"), nullptr);
   const std::size_t at = bytes.find("property float z\n") + 17;
   bytes.insert(at, "property uchar red\nproperty uchar green\nproperty uchar blue\n");
-  std::ofstream(folder_ / "coloured.ply", std::ios::binary) << bytes << std::string(1000, '\0');
+  // Without the colours the faces begin within a vertex: the first is no triangle.
+  std::ofstream(folder_ / "faces.ply", std::ios::binary) << bytes << std::string(1000, '\0');
+  EXPECT_EQ(open_mesh_stream(folder_ / "faces.ply"), nullptr);
+  for (std::size_t end = bytes.find("end_header\n") + 11 + 12 * mesh.positions.size();
+       end > bytes.find("end_header\n") + 11; end -= 12)
+    bytes.insert(end, "\1\2\3");
+  std::ofstream(folder_ / "coloured.ply", std::ios::binary) << bytes;
   EXPECT_TRUE(open_mesh_stream(folder_ / "coloured.ply")->has_attributes());
   EXPECT_FALSE(open_mesh_stream(folder_ / "coloured.ply", {.attributes = false})->has_attributes());
 }
