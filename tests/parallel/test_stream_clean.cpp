@@ -93,7 +93,7 @@ TEST_F(StreamTest, OtherFilesAreNoStreams) {
   EXPECT_EQ(open_mesh_stream(folder_ / "cut.ply"), nullptr);
   const std::size_t at = bytes.find("property float z\n") + 17;
   bytes.insert(at, "property uchar red\nproperty uchar green\nproperty uchar blue\n");
-  // Without the colours the faces begin within a vertex: the first is no triangle.
+  // The faces begin within a vertex, as no colours are there: the first is not a triangle.
   std::ofstream(folder_ / "faces.ply", std::ios::binary) << bytes << std::string(1000, '\0');
   EXPECT_EQ(open_mesh_stream(folder_ / "faces.ply"), nullptr);
   for (std::size_t end = bytes.find("end_header\n") + 11 + 12 * mesh.positions.size();
