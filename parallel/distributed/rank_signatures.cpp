@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/sort_unique.h"
 #include "core/hierarchy/model/signature_sets.h"
 #include "core/mesh/clean_kernels.h"
 #include "parallel/distributed/pieces.h"
@@ -148,8 +149,7 @@ std::vector<std::uint8_t> places_of(std::span<const RankBorder> own, std::span<c
     const auto of_cell = number_of.subspan(first, border.positions.size());
     std::vector<std::uint32_t> sets(of_cell.begin(), of_cell.end());
     std::erase(sets, no_set);
-    std::ranges::sort(sets);
-    sets.erase(std::ranges::unique(sets).begin(), sets.end());
+    sort_unique(sets);
     find_places(sets, of_cell, std::span(places).subspan(first, of_cell.size()));
     first += of_cell.size();
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numeric>
 
+#include "core/base/sort_unique.h"
 #include "core/hierarchy/construct/cell_error.h"
 #include "core/hierarchy/model/cell_code.h"
 #include "core/math/round_up.h"
@@ -40,8 +41,7 @@ std::vector<Triangle> along_curve(std::span<const Vec3f> positions, std::span<co
 std::vector<Vec3f> pack(std::span<Triangle> triangles, std::span<const Vec3f> positions) {
   std::vector<std::uint32_t> used;
   for (const Triangle& t : triangles) used.insert(used.end(), t.v.begin(), t.v.end());
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  sort_unique(used);
   for (Triangle& t : triangles)
     for (std::uint32_t& v : t.v)
       v = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/prefetch.h"
+#include "core/base/sort_unique.h"
 #include "core/spherical/parameterize/tetrahedron.h"
 #include "parallel/scheduler/phases.h"
 
@@ -111,8 +112,7 @@ void SphereLevels::relax_rings(std::span<const VertexSplit> wave) {
     for (const Id x : rings_.ring(s.vertex).neighbours())
       if (rings_.ring(x).size <= most_relaxed) moving.emplace_back(colours_[x], x);
   }
-  std::sort(moving.begin(), moving.end());
-  moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
+  sort_unique(moving);
   std::vector<spherical::SweepBlock> blocks;
   std::vector<Id> vertices;
   for (std::size_t k = 0; k < moving.size(); ++k) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/base/sort_unique.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -60,8 +61,7 @@ TaskGraph random_graph(std::uint32_t tasks, unsigned seed) {
   TaskGraph graph{tasks, {}, {}};
   for (std::uint32_t after = 1; after < tasks; ++after)
     for (std::uint32_t k = 0; k < random() % 4; ++k) graph.edges.emplace_back(random() % after, after);
-  std::sort(graph.edges.begin(), graph.edges.end());
-  graph.edges.erase(std::unique(graph.edges.begin(), graph.edges.end()), graph.edges.end());
+  sort_unique(graph.edges);
   return graph;
 }
 

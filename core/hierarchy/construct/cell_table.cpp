@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/sort_unique.h"
+
 namespace lodestone {
 namespace {
 
@@ -54,8 +56,7 @@ void append_dependencies(BlockPlan& plan, int level) {
     for (const CellRank parent : plan.blocks[b].parents)
       for (CellRank c = plan.levels[l - 1].first_child[parent]; c < plan.levels[l - 1].first_child[parent + 1]; ++c)
         makers.push_back(maker[c]);
-    std::sort(makers.begin(), makers.end());
-    makers.erase(std::unique(makers.begin(), makers.end()), makers.end());
+    sort_unique(makers);
     for (const std::uint32_t m : makers) plan.dependencies.emplace_back(m, b);
   }
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/sort_unique.h"
 #include "core/spatial/point_triangle.h"
 
 namespace lodestone {
@@ -26,8 +27,7 @@ std::vector<Edge> edges_of(const Cell& cell) {
   edges.reserve(3 * cell.triangles.size());
   for (const Triangle& t : cell.triangles)
     for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_of(t, k));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 

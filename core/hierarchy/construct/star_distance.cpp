@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/sort_unique.h"
 #include "core/spatial/point_triangle.h"
 
 namespace lodestone {
@@ -10,11 +11,6 @@ namespace {
 
 // Larger stars are searched by a tree. Stars of scans have six triangles, the largest some thirty.
 constexpr std::uint32_t largest_scanned = 64;
-
-void keep_once(std::vector<std::uint32_t>& numbers) {
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
 
 TriangleBvh tree_of(std::span<const Triangle> all, std::span<const Vec3f> positions,
                     std::span<const std::uint32_t> chosen) {
@@ -54,10 +50,10 @@ std::vector<std::uint32_t> StarDistance::triangles_near(VertexId vertex) const {
   std::vector<std::uint32_t> around, triangles;
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i)
     for (const std::uint32_t v : triangles_[incident_[i]].v) around.push_back(v);
-  keep_once(around);
+  sort_unique(around);
   for (const std::uint32_t v : around)
     triangles.insert(triangles.end(), incident_.begin() + first_[v], incident_.begin() + first_[v + 1]);
-  keep_once(triangles);
+  sort_unique(triangles);
   return triangles;
 }
 

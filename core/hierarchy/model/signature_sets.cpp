@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/key_numbers.h"
+#include "core/base/sort_unique.h"
 
 namespace lodestone {
 namespace {
@@ -69,8 +70,7 @@ struct LevelSets {
   void unite(std::span<const std::uint32_t> some) {
     Cells all;
     for (const std::uint32_t set : some) all.insert(all.end(), sets[set].begin(), sets[set].end());
-    std::ranges::sort(all);
-    all.erase(std::ranges::unique(all).begin(), all.end());
+    sort_unique(all);
     // The union may be a set that exists, and then that one may have become a part of another.
     const std::uint32_t to = final_of(number(all));
     for (const std::uint32_t set : some)
@@ -85,8 +85,7 @@ void limit(LevelSets& level, std::vector<std::vector<std::uint32_t>>& of_cell, s
     united = false;
     for (std::vector<std::uint32_t>& sets : of_cell) {
       for (std::uint32_t& set : sets) set = level.final_of(set);
-      std::ranges::sort(sets);
-      sets.erase(std::ranges::unique(sets).begin(), sets.end());
+      sort_unique(sets);
       if (sets.size() < most) continue;
       const std::size_t excess = sets.size() - most + 2;
       level.unite(std::span(sets).last(std::min(excess, sets.size())));
@@ -170,8 +169,7 @@ LevelSignatures::LevelSignatures(const std::vector<CellSets>& parts, const Level
 
   std::vector<std::uint32_t> left;
   for (const std::vector<std::uint32_t>& sets : of_cell_) left.insert(left.end(), sets.begin(), sets.end());
-  std::ranges::sort(left);
-  left.erase(std::ranges::unique(left).begin(), left.end());
+  sort_unique(left);
   std::ranges::sort(left, {}, [&](std::uint32_t set) -> const Cells& { return found.sets[set]; });
   std::vector<std::uint32_t> final_number(found.sets.size());
   for (std::uint32_t k = 0; k < left.size(); ++k) {

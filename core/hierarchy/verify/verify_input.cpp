@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/sort_unique.h"
 #include "core/hierarchy/model/fingerprint.h"
 #include "core/hierarchy/verify/verify_checks.h"
 #include "core/mesh/refine.h"
@@ -67,8 +68,7 @@ class RefinedTriangles {
     limit2_ = limit * limit;
     for (const Triangle& t : mesh.triangles)
       add(to_double(mesh.positions[t.v[0]]), to_double(mesh.positions[t.v[1]]), to_double(mesh.positions[t.v[2]]));
-    std::sort(parts_.begin(), parts_.end());
-    parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
+    sort_unique(parts_);
   }
   template <typename Body>
   void for_each(Body&& body) const {

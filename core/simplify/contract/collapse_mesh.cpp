@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/sort_unique.h"
+
 namespace lodestone {
 namespace {
 
@@ -76,8 +78,7 @@ void CollapseMesh::gather_neighbours(Id v, std::vector<Id>& ring) const {
   for (const Id t : star_[v])
     for (const Id w : triangles_[t].v)
       if (w != v) ring.push_back(w);
-  std::sort(ring.begin(), ring.end());
-  ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+  sort_unique(ring);
 }
 
 std::size_t CollapseMesh::count_movable() const {

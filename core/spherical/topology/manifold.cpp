@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/sort_unique.h"
 #include "core/mesh/edge_pairing.h"
 #include "core/mesh/vertex_of.h"
 #include "core/spherical/topology/sides.h"
@@ -150,8 +151,7 @@ std::vector<Id> find_repeats(std::span<const Triangle> triangles, const Seams& s
     if (a == no_id || b == no_id || c == no_id || a / 3 != b / 3 || b / 3 != c / 3 || a < side) continue;
     for (const Id of_both : {side, side + 1, side + 2}) repeats.push_back(of_both);
   }
-  std::sort(repeats.begin(), repeats.end());
-  repeats.erase(std::unique(repeats.begin(), repeats.end()), repeats.end());
+  sort_unique(repeats);
   return repeats;
 }
 

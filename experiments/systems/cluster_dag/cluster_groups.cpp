@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/sort_unique.h"
 
 namespace lodestone {
 namespace {
@@ -26,8 +27,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, std::int32_t> common_edges(std
         const std::uint32_t a = clusters[c]->vertices[t.v[k]], b = clusters[c]->vertices[t.v[(k + 1) % 3]];
         edges.push_back({std::min(a, b), std::max(a, b), c});
       }
-  std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  sort_unique(edges);
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::int32_t> common;
   for (std::size_t i = 0; i < edges.size(); ++i)
     for (std::size_t j = i + 1; j < edges.size() && edges[j].a == edges[i].a && edges[j].b == edges[i].b; ++j)

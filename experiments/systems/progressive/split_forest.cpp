@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/sort_unique.h"
 #include "core/math/vec3.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/spatial/point_triangle.h"
@@ -45,8 +46,7 @@ class Replay {
       for (const std::uint32_t v : triangles_[t].v)
         if (groups_[v] != begin) all.push_back(groups_[v]);
     }
-    std::ranges::sort(all);
-    all.erase(std::ranges::unique(all).begin(), all.end());
+    sort_unique(all);
     return all;
   }
 

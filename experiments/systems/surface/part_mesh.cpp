@@ -2,14 +2,15 @@
 
 #include <algorithm>
 
+#include "core/base/sort_unique.h"
+
 namespace lodestone {
 
 PartMesh part_mesh(std::span<const Triangle> triangles, std::span<const Vec3f> surface) {
   PartMesh mesh;
   mesh.vertices.reserve(3 * triangles.size());
   for (const Triangle& t : triangles) mesh.vertices.insert(mesh.vertices.end(), t.v.begin(), t.v.end());
-  std::ranges::sort(mesh.vertices);
-  mesh.vertices.erase(std::ranges::unique(mesh.vertices).begin(), mesh.vertices.end());
+  sort_unique(mesh.vertices);
   for (const std::uint32_t v : mesh.vertices) mesh.positions.push_back(surface[v]);
   const auto place = [&](std::uint32_t v) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(mesh.vertices, v) - mesh.vertices.begin());

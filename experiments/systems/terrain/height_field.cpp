@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/sort_unique.h"
 
 namespace lodestone {
 namespace {
@@ -13,8 +14,7 @@ float coordinate(Vec3f p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y :
 std::vector<float> distinct(const std::vector<Vec3f>& positions, int axis) {
   std::vector<float> values;
   for (const Vec3f p : positions) values.push_back(coordinate(p, axis));
-  std::ranges::sort(values);
-  values.erase(std::ranges::unique(values).begin(), values.end());
+  sort_unique(values);
   return values;
 }
 

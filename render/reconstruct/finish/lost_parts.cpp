@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/sort_unique.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/resample_attributes.h"
 #include "render/reconstruct/finish/simplify_merged.h"
@@ -67,8 +68,7 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
     for (const std::uint32_t w : mesh.triangles[t].v) used.push_back(vertex_of(w));
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  sort_unique(used);
 
   MergedMesh result;
   EditMesh edit;

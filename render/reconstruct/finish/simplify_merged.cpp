@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 
+#include "core/base/sort_unique.h"
 #include "core/hierarchy/construct/block_wedges.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/simplify/simplifiers.h"
@@ -164,8 +165,7 @@ class MergedSimplifier {
     cube.wedge.reserve(3 * (cube.last - cube.first));
     for (std::size_t k = cube.first; k < cube.last; ++k)
       cube.wedge.insert(cube.wedge.end(), all[order_[k]].v.begin(), all[order_[k]].v.end());
-    std::sort(cube.wedge.begin(), cube.wedge.end());
-    cube.wedge.erase(std::unique(cube.wedge.begin(), cube.wedge.end()), cube.wedge.end());
+    sort_unique(cube.wedge);
     const auto local = [&](std::uint32_t wedge) {
       return static_cast<std::uint32_t>(std::lower_bound(cube.wedge.begin(), cube.wedge.end(), wedge) -
                                         cube.wedge.begin());

@@ -1,6 +1,6 @@
 #include "render/reconstruct/seams/border_loops.h"
 
-#include <algorithm>
+#include "core/base/sort_unique.h"
 
 namespace lodestone {
 
@@ -25,8 +25,7 @@ std::vector<VertexId> BorderLoops::pinched() const {
   std::vector<VertexId> all = pinched_;
   for (const Edge& e : edges_)
     if (e.from != no_vertex && e.sibling != none) all.push_back(e.from);
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  sort_unique(all);
   return all;
 }
 

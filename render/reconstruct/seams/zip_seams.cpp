@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/sort_unique.h"
 #include "render/reconstruct/seams/zip_tile.h"
 
 namespace lodestone {
@@ -58,8 +59,7 @@ class Zipper {
       pending_.push_back(e);
       front_.push_back(from);
     }
-    std::sort(front_.begin(), front_.end());
-    front_.erase(std::unique(front_.begin(), front_.end()), front_.end());
+    sort_unique(front_);
     zip_pending();
     while (s_.borders.handles() < config_.most_handles && make_handle()) zip_pending();
     return added_;
@@ -76,8 +76,7 @@ class Zipper {
 
   void zip_tiles(const Tiling& tiling) {
     std::erase_if(pending_, [&](BorderEdgeId e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
-    std::sort(pending_.begin(), pending_.end());
-    pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
+    sort_unique(pending_);
     const std::vector<Tile> tiles = make_tiles(tiling);
     std::vector<ZipResult> results(tiles.size());
     scheduler_.for_chunks(tiles.size(), 1, [&](ChunkRange range) {
@@ -108,8 +107,7 @@ class Zipper {
     });
     std::vector<TileKey> keys;
     std::unique_copy(of_edge.begin(), of_edge.end(), std::back_inserter(keys));
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    sort_unique(keys);
     if (!keys.empty() && keys.back() == no_tile) keys.pop_back();
     scheduler_.for_chunks(front_.size(), grain, [&](ChunkRange range) {
       for (std::size_t k = range.begin; k < range.end; ++k) of_vertex[k] = tiling.key(s_.position[front_[k]]);

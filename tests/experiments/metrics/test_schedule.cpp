@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/sort_unique.h"
 #include "experiments/metrics/schedule/list_schedule.h"
 
 namespace lodestone {
@@ -130,8 +131,7 @@ TEST(ListSchedule, IsThatOfTheObviousOneAndWithinBrentsBounds) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (std::uint32_t t = 1; t < times.size(); ++t)
       for (std::uint32_t e = 0; e < random() % 3; ++e) edges.emplace_back(random() % t, t);
-    std::ranges::sort(edges);
-    edges.erase(std::ranges::unique(edges).begin(), edges.end());
+    sort_unique(edges);
     RecordedWork work = flat(times, edges);
     work.calls[0].dispatch_seconds = 0.25;
     const auto [all, span, critical] = work_and_span(work);
