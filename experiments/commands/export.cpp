@@ -13,7 +13,7 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/commands/tile_archive.h"
+#include "experiments/subjects/tiles.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/hierarchy/save_tiles.h"
 #include "parallel/scheduler/clock.h"
@@ -57,7 +57,7 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
 
 void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   if (options.tiles->empty()) throw UsageError("--tiles: the folder name is empty");
-  const bool packed = std::filesystem::path(*options.tiles).extension() == ".3tz";
+  const bool packed = is_tile_archive(*options.tiles);
   check_files(common, {{"FILE", options.file}},
               packed ? std::vector<FileArgument>{{"--tiles", *options.tiles}} : std::vector<FileArgument>{});
   AtomicFolder folder(packed ? *options.tiles + ".files" : *options.tiles);
@@ -77,30 +77,15 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   progress.measure(static_cast<double>(triangles), "triangles");
   SavedTiles saved = save_tiles(hierarchy, folder, *scheduler, config);
   check_interrupt();
-  // Workers finish tiles in any order; files packed afterwards are in the same order always.
-  if (packed)
-    saved.bytes = write_tile_archive(folder.path(), *options.tiles, interrupt_flag());
-  else
-    folder.commit();
+  finish_tiles(folder, *options.tiles, interrupt_flag(), saved);
   progress.clear();
   const StageTime time = clock.elapsed();
-  write_result(common, {{packed ? "file" : "folder", *options.tiles},
-                        {"tiles", saved.tiles},
-                        {"tilesets", saved.tilesets},
-                        {"textures", saved.textures},
-                        {"atlases", saved.atlases},
-                        {"draws", saved.draws},
-                        {"triangles", saved.triangles},
-                        {"finest_triangles", hierarchy.levels.back().triangles},
-                        {"bytes", saved.bytes},
-                        {"warnings", saved.warnings},
-                        {"seconds", time.seconds},
-                        {"cpu_seconds", time.cpu_seconds}});
-  if (common.prints())
-    fmt::print("{}: {} tiles with {} draws, {} tilesets, {} images, {} triangles, {:.1f} MB\n", *options.tiles,
-               saved.tiles, saved.draws, saved.tilesets, saved.textures, saved.triangles,
-               static_cast<double>(saved.bytes) * 1e-6);
-  if (common.prints()) print_warnings(saved.warnings);
+  Json json = to_json(saved, *options.tiles, hierarchy.levels.back().triangles);
+  json.update({{"seconds", time.seconds}, {"cpu_seconds", time.cpu_seconds}});
+  write_result(common, json);
+  if (!common.prints()) return;
+  fmt::print("{}", summary(saved, *options.tiles));
+  print_warnings(saved.warnings);
 }
 
 void run(const ExportOptions& options, const CommonOptions& common) {

@@ -1,5 +1,4 @@
-#include "experiments/mpi/build_job.h"
-
+// lodestone-mpi build: one .lode file by all processes of an MPI job (docs/cluster.md).
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,11 +6,10 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
-#include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/cost/cost.h"
+#include "experiments/mpi/job.h"
 #include "experiments/mpi/rank_trace.h"
 #include "experiments/subjects/build.h"
 #include "parallel/distributed/build_distributed.h"
@@ -85,9 +83,7 @@ JobReport run_job(const JobOptions& options, const CommonOptions& common, Transp
   config.last_words = [&] {
     trace.gather();
     report.peak_bytes = ranks.gather(peak_resident_bytes());
-    for (const std::vector<char>& host :
-         ranks.gather_lists(std::vector<char>(transport.host().begin(), transport.host().end())))
-      report.hosts.emplace_back(host.begin(), host.end());
+    report.hosts = hosts_of(ranks);
   };
   const CpuClock clock;
   report.result = build_distributed([&](Ranks& all, Scheduler& workers) { return open_input(options, all, workers); },
@@ -217,42 +213,30 @@ OptionTable declare(JobOptions& o) {
        {"--trace", &o.trace,
         "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
         "ui.perfetto.dev (.json)"},
-       OptionSpec{"--timeout", &o.timeout,
-                  "Time that a process waits for a message of another one before it ends the job"}
-           .between(1, 1e6)
-           .of_type("SECONDS")},
+       timeout_option(o.timeout)},
       o.reading);
+}
+
+void check(const JobOptions& options) {
+  if (options.inputs.empty() == options.generator.empty())
+    throw UsageError("one mesh is built: give either files or --generate");
+}
+
+void run(const JobOptions& options, const CommonOptions& common, Transport& transport) {
+  const JobReport report = run_job(options, common, transport);
+  if (transport.rank() != 0) return;
+  write_result(common, to_json(report, options));
+  if (common.prints()) print(report, options);
 }
 
 }  // namespace
 
 void add_build_job(CommandTable& commands, MpiTransport& transport) {
-  struct Both {
-    JobOptions own;
-    CommonOptions common;
-  };
-  const auto both = std::make_shared<Both>();
-  const auto run = [both, &transport] {
-    try {
-      if (both->own.inputs.empty() == both->own.generator.empty())
-        throw UsageError("one mesh is built: give either files or --generate");
-      transport.set_timeout(both->own.timeout);
-      run_rank(transport, [&] {
-        const JobReport report = run_job(both->own, both->common, transport);
-        if (transport.rank() != 0) return;
-        write_result(both->common, to_json(report, both->own));
-        if (both->common.prints()) print(report, both->own);
-      });
-    } catch (...) {
-      set_interrupt_line("");  // the launcher ends those that are not through yet: the error has been told
-      throw;
-    }
-  };
-  CommandInfo info{"build", "Build the hierarchical level of detail of a mesh by all processes of an MPI job",
-                   "  mpirun -n 4 lodestone-mpi build statue.ply -o statue.lode --threads 2 --json build.json\n"
-                   "  mpirun -n 8 lodestone-mpi build --generate sphere:64e6:1 -o sphere.lode --threads 1\n"};
-  info.threads_help = "Number of threads of each process; 0 takes all that it may run on";
-  add_command(commands, info, both->common, declare(both->own), run);
+  add_job<JobOptions>(commands, transport,
+                      {"build", "Build the hierarchical level of detail of a mesh by all processes of an MPI job",
+                       "  mpirun -n 4 lodestone-mpi build statue.ply -o statue.lode --threads 2 --json build.json\n"
+                       "  mpirun -n 8 lodestone-mpi build --generate sphere:64e6:1 -o sphere.lode --threads 1\n"},
+                      {declare, check, run});
 }
 
 }  // namespace lodestone

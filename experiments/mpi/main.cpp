@@ -3,7 +3,7 @@
 
 #include "experiments/commands/command.h"
 #include "experiments/commands/parser.h"
-#include "experiments/mpi/build_job.h"
+#include "experiments/mpi/job.h"
 #include "experiments/mpi/plan.h"
 
 namespace lodestone {
@@ -13,6 +13,7 @@ int run_commands(int argc, char** argv) {
   MpiTransport transport(&argc, &argv);
   CommandTable commands;
   add_build_job(commands, transport);
+  add_export_job(commands, transport);
   add_plan(commands, transport.rank() == 0);
   install_signal_handlers();
   allow_many_files();

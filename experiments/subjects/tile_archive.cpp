@@ -1,4 +1,4 @@
-#include "experiments/commands/tile_archive.h"
+#include "experiments/subjects/tile_archive.h"
 
 #include <openssl/evp.h>
 

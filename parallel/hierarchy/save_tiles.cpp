@@ -1,127 +1,123 @@
 #include "parallel/hierarchy/save_tiles.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
-#include <memory>
 #include <mutex>
+#include <numeric>
 #include <set>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/json.h"
 #include "core/formats/common/float_range.h"
 #include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
-#include "core/hierarchy/tiles/tileset_tree.h"
 #include "core/texture/thumbnail.h"
 #include "parallel/hierarchy/decoded_images.h"
 
 namespace lodestone {
 namespace {
 
-std::uint64_t write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  AtomicFile file(path);
-  file.write(bytes);
-  file.commit();
-  return bytes.size();
-}
-
 // Room for decoded images that go into atlases.
 constexpr std::size_t most_decoded_bytes = std::size_t{256} << 20;
 
-class Saver {
+// Counted while tiles are written.
+enum Count : std::size_t { bytes, atlases, atlas_images, repeating, draws, tiles, triangles, count_kinds };
+
+}  // namespace
+
+class TileWriter::Parts {
  public:
-  Saver(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler, const SaveTilesConfig& config)
-      : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config), tileset_(config.tileset) {
-    if (tileset_.morph) signatures_ = signatures_of(hierarchy);
-    tileset_.signatures = signatures_.get();
-  }
-
-  SavedTiles save() {
-    require_range();
-    for (int level = 0; level <= hierarchy_.finest(); ++level) folder_.add_folder(std::to_string(level));
-    save_cells();
-    save_images();
-    save_tilesets();
-    saved_.bytes += bytes_;
-    return saved_;
-  }
-
- private:
-  void require_range() const {
+  Parts(const Hierarchy& hierarchy, std::filesystem::path folder, Scheduler& scheduler, SaveTilesConfig config)
+      : hierarchy_(hierarchy),
+        folder_(std::move(folder)),
+        scheduler_(scheduler),
+        config_(std::move(config)),
+        tile_errors_(hierarchy),
+        errors_(hierarchy.cells.size()) {
     const Box3f& box = hierarchy_.cells.front().bounds;
     require_gltf_range({hierarchy_.transform.to_model(box.lo), hierarchy_.transform.to_model(box.hi)}, "tiles",
                        "scale the model");
-  }
-  // Those that tiles link, of all levels; the bytes are those of the hierarchy.
-  void save_images() {
-    if (!linked_.empty()) folder_.add_folder("textures");
-    for (const auto& [path, image] : linked_) {
-      stop_if_cancelled();
-      const auto [texture, level] = image;
-      const TextureCopy* copy = texture_copy(hierarchy_, texture, level);
-      const std::span<const char> bytes = copy ? copy->bytes : hierarchy_.textures[texture].bytes;
-      bytes_ += write_file(folder_.path() / path, std::as_bytes(bytes));
+    if (config_.tileset.morph) {
+      signatures_ = signatures_of(hierarchy);
+      config_.tileset.contents.resize(hierarchy_.cells.size());
     }
-    saved_.textures = linked_.size() + atlas_images_;
-    saved_.atlases = atlases_;
-    saved_.draws = draws_;
-    if (repeating_ > 0)
-      saved_.warnings.push_back(std::to_string(repeating_) +
-                                " tiles keep materials of their own whose textures repeat " +
-                                "more than twice on a chart");
-    if (config_.tileset.morph) save_thumbnails();
+    config_.tileset.signatures = signatures_.get();
   }
 
-  // Writes those of base colours and light, which the page draws.
-  void save_thumbnails() {
-    std::set<std::uint32_t> linked;
-    for (const auto& [path, image] : linked_) linked.insert(image.first);
-    std::erase_if(linked, [&](std::uint32_t texture) {
-      return std::ranges::none_of(hierarchy_.materials, [texture](const Material& m) {
-        return m.texture == texture || m.emissive_map.texture == texture;
-      });
+  void write_tiles(std::span<const CellId> cells) {
+    cells_.assign(cells.begin(), cells.end());
+    std::atomic<std::size_t> done{0};
+    scheduler_.for_chunks(cells_.size(), 1, [&](ChunkRange range) {
+      stop_if_cancelled();
+      const CellId cell = cells_[range.begin];
+      errors_[cell] = tile_errors_.of(cell);
+      if (!hierarchy_.cells[cell].triangles.empty()) write_tile(cell);
+      report(static_cast<double>(++done) / static_cast<double>(cells_.size()));
     });
-    const std::vector<std::uint32_t> numbers(linked.begin(), linked.end());
-    std::vector<Texture> made(numbers.size());
-    scheduler_.for_chunks(numbers.size(), 1, [&](ChunkRange range) {
-      try {
-        made[range.begin] = thumbnail_of(hierarchy_.textures[numbers[range.begin]], PixelMeaning::colours);
-      } catch (const InputError&) {  // tiles link images as they are
-      } catch (const UnsupportedError&) {
+  }
+
+  [[nodiscard]] std::string tell() const {
+    Json told{{"cells", Json::array()}, {"linked", Json::array()}, {"counts", Json::array()}};
+    for (const CellId cell : cells_) {
+      Json of_cell{std::uint32_t{cell}, errors_[cell]};
+      if (config_.tileset.morph) {
+        of_cell.push_back(config_.tileset.contents[cell].vertices);
+        for (const TileImage& image : config_.tileset.contents[cell].images)
+          of_cell.push_back({image.path, image.texels, image.texture});
       }
-    });
-    for (std::size_t k = 0; k < made.size(); ++k) {
-      if (made[k].bytes.empty() || made[k].bytes.size() >= hierarchy_.textures[numbers[k]].bytes.size()) continue;
-      const std::string thumbnail = "textures/" + std::to_string(numbers[k]) + "_thumbnail.webp";
-      bytes_ += write_file(folder_.path() / thumbnail, std::as_bytes(std::span(made[k].bytes)));
-      tileset_.thumbnails[numbers[k]] = thumbnail;
+      told["cells"].push_back(std::move(of_cell));
+    }
+    for (const auto& [path, image] : linked_) told["linked"].push_back({path, image.first, image.second});
+    for (const auto& count : counts_) told["counts"].push_back(count.load());
+    return told.dump();
+  }
+
+  void hear(const std::string& told) {
+    try {
+      const Json part = Json::parse(told);
+      for (const Json& of_cell : part["cells"]) {
+        const auto cell = of_cell[0].get<std::size_t>();
+        errors_.at(cell) = of_cell[1].get<double>();
+        if (!config_.tileset.morph) continue;
+        TileContent& content = config_.tileset.contents[cell];
+        content.vertices = of_cell[2].get<std::uint32_t>();
+        for (std::size_t i = 3; i < of_cell.size(); ++i)
+          content.images.push_back(
+              {of_cell[i][0].string(), of_cell[i][1].get<double>(), of_cell[i][2].get<std::uint32_t>()});
+      }
+      for (const Json& image : part["linked"])
+        linked_.emplace(image[0].string(), std::pair(image[1].get<std::uint32_t>(), image[2].get<int>()));
+      for (std::size_t k = 0; k < count_kinds; ++k) counts_[k] += part["counts"][k].get<std::uint64_t>();
+    } catch (const std::exception& error) {
+      throw Error(std::string("what another process tells of its tiles cannot be read: ") + error.what());
     }
   }
 
-  void save_cells() {
-    const TileErrors errors(hierarchy_);
-    errors_.resize(hierarchy_.cells.size());
-    if (config_.tileset.morph) tileset_.images.resize(hierarchy_.cells.size());
-    scheduler_.for_chunks(hierarchy_.cells.size(), 1, [&](ChunkRange range) {
-      stop_if_cancelled();
-      const CellId cell(range.begin);
-      errors_[cell] = errors.of(cell);
-      if (!hierarchy_.cells[cell].triangles.empty()) save_cell(cell);
-      report(++done_);
-    });
-    for (const Cell& cell : hierarchy_.cells) {
-      saved_.tiles += !cell.triangles.empty();
-      saved_.triangles += cell.triangles.size();
-    }
+  SavedTiles write_rest(AtomicFolder& folder) {
+    if (!linked_.empty()) folder.add_folder("textures");
+    write_images();
+    if (config_.tileset.morph) write_thumbnails();
+    SavedTiles saved;
+    saved.tilesets = write_tilesets();
+    saved.tiles = counts_[tiles];
+    saved.textures = linked_.size() + counts_[atlas_images];
+    saved.triangles = counts_[triangles];
+    saved.draws = counts_[draws];
+    saved.atlases = counts_[atlases];
+    saved.bytes = counts_[bytes];
+    if (counts_[repeating] > 0)
+      saved.warnings.push_back(std::to_string(counts_[repeating]) +
+                               " tiles keep materials of their own whose textures repeat more than twice on a chart");
+    return saved;
   }
 
-  void save_cell(CellId cell) {
+ private:
+  void write_tile(CellId cell) {
     const int level = hierarchy_.level_of(cell);
     const TileAtlas atlas = atlas_of(cell, level);
     const auto link = [&](std::uint32_t texture) {
@@ -133,21 +129,22 @@ class Saver {
     const auto own = [&](std::size_t image) {
       return std::filesystem::path(atlas_path(hierarchy_, cell, atlas, image)).filename().string();
     };
-    if (config_.tileset.morph) tileset_.images[cell] = shown_images(hierarchy_, cell, atlas);
+    if (config_.tileset.morph) config_.tileset.contents[cell] = tile_content(hierarchy_, cell, atlas);
     const std::vector<std::byte> glb = encode_cell_glb(hierarchy_, cell,
                                                        {.morph = config_.tileset.morph,
-                                                        .signatures = tileset_.signatures,
+                                                        .signatures = config_.tileset.signatures,
                                                         .texture_uri = link,
                                                         .atlas = &atlas,
                                                         .atlas_uri = own});
-    bytes_ += write_file(folder_.path() / tile_path(hierarchy_, cell), glb);
+    write_file(tile_path(hierarchy_, cell), glb);
     for (std::size_t k = 0; k < atlas.images.size(); ++k)
-      bytes_ += write_file(folder_.path() / atlas_path(hierarchy_, cell, atlas, k),
-                           std::as_bytes(std::span(atlas.images[k].bytes)));
-    atlases_ += !atlas.materials.empty();
-    atlas_images_ += atlas.images.size();
-    repeating_ += atlas.repeating > 0;
-    draws_ += draws_of(hierarchy_.cells[cell], atlas);
+      write_file(atlas_path(hierarchy_, cell, atlas, k), std::as_bytes(std::span(atlas.images[k].bytes)));
+    counts_[tiles] += 1;
+    counts_[triangles] += hierarchy_.cells[cell].triangles.size();
+    counts_[atlases] += !atlas.materials.empty();
+    counts_[atlas_images] += atlas.images.size();
+    counts_[repeating] += atlas.repeating > 0;
+    counts_[draws] += draws_of(hierarchy_.cells[cell], atlas);
   }
 
   [[nodiscard]] TileAtlas atlas_of(CellId cell, int level) {
@@ -167,49 +164,110 @@ class Saver {
     return drawn.size();
   }
 
-  void save_tilesets() {
+  // Those that tiles link, of all levels; the bytes are those of the hierarchy.
+  void write_images() {
+    for (const auto& [path, image] : linked_) {
+      stop_if_cancelled();
+      const auto [texture, level] = image;
+      const TextureCopy* copy = texture_copy(hierarchy_, texture, level);
+      const std::span<const char> content = copy ? copy->bytes : hierarchy_.textures[texture].bytes;
+      write_file(path, std::as_bytes(content));
+    }
+  }
+
+  // Only base colours and light, which the page draws, have thumbnails.
+  void write_thumbnails() {
+    std::set<std::uint32_t> linked;
+    for (const auto& [path, image] : linked_) linked.insert(image.first);
+    std::erase_if(linked, [&](std::uint32_t texture) {
+      return std::ranges::none_of(hierarchy_.materials, [texture](const Material& m) {
+        return m.texture == texture || m.emissive_map.texture == texture;
+      });
+    });
+    const std::vector<std::uint32_t> numbers(linked.begin(), linked.end());
+    std::vector<Texture> made(numbers.size());
+    scheduler_.for_chunks(numbers.size(), 1, [&](ChunkRange range) {
+      try {
+        made[range.begin] = thumbnail_of(hierarchy_.textures[numbers[range.begin]], PixelMeaning::colours);
+      } catch (const InputError&) {  // tiles link images as they are
+      } catch (const UnsupportedError&) {
+      }
+    });
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      if (made[k].bytes.empty() || made[k].bytes.size() >= hierarchy_.textures[numbers[k]].bytes.size()) continue;
+      const std::string thumbnail = "textures/" + std::to_string(numbers[k]) + "_thumbnail.webp";
+      write_file(thumbnail, std::as_bytes(std::span(made[k].bytes)));
+      config_.tileset.thumbnails[numbers[k]] = thumbnail;
+    }
+  }
+
+  // Returns their number.
+  std::uint64_t write_tilesets() {
     if (signatures_) {
       const std::string text = encode_signatures(hierarchy_, *signatures_);
-      bytes_ += write_file(folder_.path() / signatures_path, std::as_bytes(std::span(text)));
+      write_file(signatures_path, std::as_bytes(std::span(text)));
     }
-    for (const TilesetFile& file : encode_tilesets(hierarchy_, errors_, tileset_)) {
+    const std::vector<TilesetFile> files = encode_tilesets(hierarchy_, errors_, config_.tileset);
+    for (const TilesetFile& file : files) {
       stop_if_cancelled();
-      bytes_ += write_file(folder_.path() / file.path, std::as_bytes(std::span(file.json)));
-      ++saved_.tilesets;
+      write_file(file.path, std::as_bytes(std::span(file.json)));
     }
+    return files.size();
+  }
+
+  // `path`: from the folder.
+  void write_file(const std::string& path, std::span<const std::byte> content) {
+    AtomicFile file(folder_ / path);
+    file.write(content);
+    file.commit();
+    counts_[bytes] += content.size();
   }
 
   void stop_if_cancelled() const {
     if (config_.cancel && *config_.cancel) throw Cancelled{};
   }
 
-  void report(std::size_t done) {
+  void report(double share) {
     if (!config_.progress) return;
-    if (const std::unique_lock lock(reporting_, std::try_to_lock); lock)
-      config_.progress(static_cast<double>(done) / static_cast<double>(hierarchy_.cells.size()));
+    if (const std::unique_lock lock(reporting_, std::try_to_lock); lock) config_.progress(share);
   }
 
   const Hierarchy& hierarchy_;
-  AtomicFolder& folder_;
+  std::filesystem::path folder_;
   Scheduler& scheduler_;
-  const SaveTilesConfig& config_;
-  TilesetConfig tileset_;
+  SaveTilesConfig config_;
   std::shared_ptr<const Signatures> signatures_;
-  std::vector<double> errors_;
+  TileErrors tile_errors_;
   DecodedImages decoded_{hierarchy_, most_decoded_bytes};
+  std::vector<CellId> cells_;   // that have been written here
+  std::vector<double> errors_;  // by cell of the hierarchy
   std::mutex linking_;
   std::map<std::string, std::pair<std::uint32_t, int>> linked_;  // texture and level, by path
-  std::atomic<std::uint64_t> bytes_{0}, atlases_{0}, atlas_images_{0}, repeating_{0}, draws_{0};
-  std::atomic<std::size_t> done_{0};
+  std::array<std::atomic<std::uint64_t>, count_kinds> counts_{};
   std::mutex reporting_;
-  SavedTiles saved_;
 };
 
-}  // namespace
+TileWriter::TileWriter(const Hierarchy& hierarchy, std::filesystem::path folder, Scheduler& scheduler,
+                       SaveTilesConfig config)
+    : parts_(std::make_unique<Parts>(hierarchy, std::move(folder), scheduler, std::move(config))) {}
+TileWriter::~TileWriter() = default;
+void TileWriter::write_tiles(std::span<const CellId> cells) { parts_->write_tiles(cells); }
+std::string TileWriter::tell() const { return parts_->tell(); }
+void TileWriter::hear(const std::string& told) { parts_->hear(told); }
+SavedTiles TileWriter::write_rest(AtomicFolder& folder) { return parts_->write_rest(folder); }
+
+void add_level_folders(const Hierarchy& hierarchy, AtomicFolder& folder) {
+  for (int level = 0; level <= hierarchy.finest(); ++level) folder.add_folder(std::to_string(level));
+}
 
 SavedTiles save_tiles(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler,
                       const SaveTilesConfig& config) {
-  return Saver(hierarchy, folder, scheduler, config).save();
+  TileWriter writer(hierarchy, folder.path(), scheduler, config);
+  add_level_folders(hierarchy, folder);
+  std::vector<CellId> all(hierarchy.cells.size());
+  std::iota(all.begin(), all.end(), CellId(0));
+  writer.write_tiles(all);
+  return writer.write_rest(folder);
 }
 
 }  // namespace lodestone

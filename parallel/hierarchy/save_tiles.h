@@ -1,9 +1,11 @@
-// A hierarchy as a 3D Tiles tileset: one file per cell, written by all workers.
+// A hierarchy as a 3D Tiles tileset: one file per cell, written by all workers, or by several writers in parts.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,5 +39,33 @@ struct SavedTiles {
 // images of one level where there are many materials, and the JSON.
 [[nodiscard]] SavedTiles save_tiles(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler,
                                     const SaveTilesConfig& config = {});
+
+// The folders that tiles are written into.
+void add_level_folders(const Hierarchy& hierarchy, AtomicFolder& folder);
+
+// The same in parts: each writer writes some of the tiles, and one of them, which has heard of all others, what is
+// left.
+class TileWriter {
+ public:
+  // All outlive this but the config. The tables are those of all cells; payloads are needed of the cells that this
+  // writes and of their parents. With `morph` signatures are needed, too, or all payloads.
+  TileWriter(const Hierarchy& hierarchy, std::filesystem::path folder, Scheduler& scheduler, SaveTilesConfig config);
+  TileWriter(const TileWriter&) = delete;
+  TileWriter& operator=(const TileWriter&) = delete;
+  ~TileWriter();
+
+  // The level folders are there. The share of progress is of these cells. Throws as save_tiles does.
+  void write_tiles(std::span<const CellId> cells);
+  // All that another writer has to know of those tiles, for hear().
+  [[nodiscard]] std::string tell() const;
+  // Throws Error for anything else.
+  void hear(const std::string& told);
+  // Images that tiles link, and tilesets. `folder` is the one above. Throws as save_tiles does.
+  [[nodiscard]] SavedTiles write_rest(AtomicFolder& folder);
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace lodestone

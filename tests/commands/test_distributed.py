@@ -9,7 +9,7 @@ import subprocess
 import unittest
 
 import command_case
-from command_case import FILE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
+from command_case import FILE, INPUT, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
 from slurm_case import SlurmCase
 
 # Open MPI: more ranks than processors, also as root in a container.
@@ -25,8 +25,12 @@ def surface():
     return SCAN if SCAN.exists() else model("small.ply", "generate", "sphere", "--triangles", 100_000)
 
 
-def command(ranks, *arguments):
-    return [os.environ["LAUNCHER"], "-n", str(ranks), os.environ["LODESTONE_MPI"], "build", *map(str, arguments)]
+def command(ranks, *arguments, subcommand="build"):
+    return [os.environ["LAUNCHER"], "-n", str(ranks), os.environ["LODESTONE_MPI"], subcommand, *map(str, arguments)]
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 class DistributedCase(CommandCase):
@@ -47,9 +51,9 @@ class DistributedCase(CommandCase):
 
 
 class UnderLauncher(DistributedCase):
-    def job(self, ranks, *arguments):
-        return subprocess.run(command(ranks, *arguments), cwd=self.folder, capture_output=True, timeout=300, text=True,
-                              env=ENVIRONMENT, check=False)
+    def job(self, ranks, *arguments, subcommand="build"):
+        return subprocess.run(command(ranks, *arguments, subcommand=subcommand), cwd=self.folder, capture_output=True,
+                              timeout=300, text=True, env=ENVIRONMENT, check=False)
 
     def built(self, ranks, *arguments):
         done = self.job(ranks, *arguments, "-o", "m.lode", "--json", "m.json", "--quiet")
@@ -107,6 +111,26 @@ class UnderLauncher(DistributedCase):
                               capture_output=True, timeout=60, text=True, env=ENVIRONMENT, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("by 1 ranks", done.stdout)
+
+    def test_tiles_are_those_of_one_process(self):
+        lode = model("textured.lode", "build", command_case.TEXTURED, "--cell-triangles", 100)
+        command_case.call("export", lode, "--tiles", self.folder / "expected", "--morph")
+        expected = contents(self.folder / "expected")
+        done = self.job(3, lode, "--tiles", "tiles", "--morph", "--threads", 1, "--json", "tiles.json", "--quiet",
+                        subcommand="export")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(contents(self.folder / "tiles") == expected)
+        figures = json.loads((self.folder / "tiles.json").read_text())
+        self.assertEqual([rank["rank"] for rank in figures["ranks"]], [0, 1, 2])
+        self.assertEqual(sum(rank["tiles"] for rank in figures["ranks"]), figures["tiles"])
+        self.assertEqual(sum(map(len, expected.values())), figures["bytes"])
+
+    def test_tiles_are_refused_in_one_line(self):
+        for arguments, status, words in (
+                (("missing.lode", "--tiles", "tiles"), FILE, ["rank ", "missing.lode: cannot open"]),
+                ((command_case.TEXTURED, "--tiles", "tiles"), INPUT, ["rank "]),
+                (("missing.lode",), USAGE, ["--tiles"]), (("missing.lode", "--tiles", ""), USAGE, ["--tiles"])):
+            self.assert_refused(self.job(3, *arguments, subcommand="export"), status, *words)
 
     def plan(self, *arguments):
         return subprocess.run([os.environ["LODESTONE_MPI"], "plan", *map(str, arguments)], cwd=self.folder,

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
-#include "experiments/commands/tile_archive.h"
+#include "experiments/subjects/tile_archive.h"
 #include "tests/expect_error.h"
 #include "tests/test_folder.h"
 

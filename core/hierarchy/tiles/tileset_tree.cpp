@@ -175,15 +175,13 @@ class TreeEncoder {
   [[nodiscard]] Json morph_of(CellId index, int level) {
     const Cell& cell = hierarchy_.cells[index];
     const auto [lo, hi] = cell.bounds;
-    std::vector<bool> is_used(cell.positions.size());
-    for (const Triangle& t : cell.triangles)
-      for (const std::uint32_t v : t.v) is_used[v] = true;
+    const TileContent& content = config_.contents.at(index);
     Json extras{{"level", level},
                 {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
-                {"vertices", std::count(is_used.begin(), is_used.end(), true)},
+                {"vertices", content.vertices},
                 {"triangles", cell.triangles.size()}};
     if (config_.signatures) extras["error"] = cell.error;
-    for (const TileImage& image : config_.images.at(index)) {
+    for (const TileImage& image : content.images) {
       extras["textures"].push_back(image.path);
       texels_[image.path] = image.texels;
       if (const auto found = config_.thumbnails.find(image.texture); found != config_.thumbnails.end())
@@ -250,15 +248,19 @@ std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int 
   return path + image_extension(hierarchy.textures[texture].media_type);
 }
 
-std::vector<TileImage> shown_images(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas) {
+TileContent tile_content(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas) {
   const int level = hierarchy.level_of(cell);
+  const Cell& of = hierarchy.cells[cell];
   std::map<std::string, TileImage> images;
   const auto add = [&](std::string path, double texels, std::uint32_t texture) {
     images.try_emplace(path, TileImage{path, texels, texture});
   };
   std::set<std::uint32_t> materials;
-  for (const Triangle& t : hierarchy.cells[cell].triangles)
-    materials.insert(material_of(hierarchy, hierarchy.cells[cell], t.v[0]));
+  std::vector<bool> is_used(of.positions.size());
+  for (const Triangle& t : of.triangles) {
+    materials.insert(material_of(hierarchy, of, t.v[0]));
+    for (const std::uint32_t v : t.v) is_used[v] = true;
+  }
   for (const std::uint32_t material : materials) {
     if (material >= hierarchy.materials.size()) continue;
     if (const auto replacing = atlas.replacing(material)) {
@@ -274,9 +276,9 @@ std::vector<TileImage> shown_images(const Hierarchy& hierarchy, CellId cell, con
       });
     }
   }
-  std::vector<TileImage> sorted;
-  for (auto& [path, image] : images) sorted.push_back(std::move(image));
-  return sorted;
+  TileContent content{static_cast<std::uint32_t>(std::ranges::count(is_used, true)), {}};
+  for (auto& [path, image] : images) content.images.push_back(std::move(image));
+  return content;
 }
 
 TileErrors::TileErrors(const Hierarchy& hierarchy) : hierarchy_(hierarchy) {
@@ -294,17 +296,18 @@ double TileErrors::of(CellId cell) const {
 std::string encode_signatures(const Hierarchy& hierarchy, const Signatures& signatures) {
   const Signatures::Table& table = signatures.table();
   Json levels = Json::array();
-  std::size_t set = 0, cell = 0;
+  std::size_t first = 0, cell = 0;
   for (std::size_t level = 0; level < table.sets.size(); ++level) {
-    Json sets = Json::array(), errors = Json::array();
-    for (const std::size_t end = set + table.sets[level]; set < end; cell += table.sizes[set++]) {
-      std::vector<std::uint32_t> cells;
+    const std::size_t end = first + table.sets[level];
+    std::vector<std::vector<std::uint32_t>> sets;
+    for (std::size_t set = first; set < end; cell += table.sizes[set++]) {
+      std::vector<std::uint32_t>& cells = sets.emplace_back();
       for (const CellId c : std::span(table.cells).subspan(cell, table.sizes[set]))
         cells.push_back(c - hierarchy.levels[level].first_cell);
-      sets.push_back(cells);
-      errors.push_back(table.errors[set]);
     }
-    levels.push_back({{"cells", std::move(sets)}, {"errors", std::move(errors)}});
+    const std::span errors = std::span(table.errors).subspan(first, end - first);
+    levels.push_back({{"cells", sets}, {"errors", std::vector<float>(errors.begin(), errors.end())}});
+    first = end;
   }
   return levels.dump();
 }

@@ -27,15 +27,21 @@ struct TileImage {
   std::uint32_t texture = no_texture;  // of the hierarchy; no_texture: of an atlas
 };
 
+// The file of a tile, as far as it takes memory of a viewer.
+struct TileContent {
+  std::uint32_t vertices = 0;
+  std::vector<TileImage> images;  // in the order of their paths
+};
+
 struct TilesetConfig {
   bool morph = false;                      // tiles have the attributes that a viewer needs to morph between levels
   const Signatures* signatures = nullptr;  // with `morph`: what radii by cell need, too; null: radii by level do
   std::size_t max_tiles = 4096;            // larger trees are cut
-  // Subtrees of so many levels are cut off, at least 1: about 1400 tiles of a surface. Of fewer levels if they have more
-  // than 4096 tiles on the average.
+  // Subtrees of so many levels are cut off, at least 1: about 1400 tiles of a surface. Of fewer levels if they have
+  // more than 4096 tiles on the average.
   int levels_per_file = 5;
   std::map<std::uint32_t, std::string> thumbnails{};  // files of them by texture, where there are any
-  std::vector<std::vector<TileImage>> images{};       // with `morph`: by cell, those of shown_images()
+  std::vector<TileContent> contents{};                // with `morph`: by cell
 };
 
 struct TilesetFile {
@@ -57,8 +63,7 @@ struct ShownImage {
   int halvings = 0;
 };
 
-// The images of base colours and light of a tile, in the order of their paths.
-[[nodiscard]] std::vector<TileImage> shown_images(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas);
+[[nodiscard]] TileContent tile_content(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas);
 
 // Distances of cells from the model, in its unit: the measured error of the surface, or the mean size on it of a texel
 // of the coarsest image of its materials if that is larger. 0 on the finest level. The hierarchy outlives this.

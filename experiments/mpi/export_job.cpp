@@ -1,0 +1,95 @@
+// lodestone-mpi export: a tileset by all processes of an MPI job (docs/cluster.md).
+#include <fmt/core.h>
+
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/mesh/up_axis.h"
+#include "experiments/command_line/progress.h"
+#include "experiments/commands/input.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/mpi/job.h"
+#include "experiments/subjects/tiles.h"
+#include "parallel/distributed/rank_tiles.h"
+
+namespace lodestone {
+namespace {
+
+struct ExportOptions {
+  std::string file, tiles;
+  std::optional<std::string> up;
+  bool morph = false;
+  double timeout = 600;
+};
+
+struct RankFigures {
+  std::uint64_t tiles = 0, triangles = 0, peak_bytes = 0;
+  double cpu_seconds = 0;
+};
+
+void run(const ExportOptions& options, const CommonOptions& common, Transport& transport) {
+  const bool is_first = transport.rank() == 0;
+  if (is_first)
+    check_files(common, {{"FILE", options.file}},
+                is_tile_archive(options.tiles) ? std::vector<FileArgument>{{"--tiles", options.tiles}}
+                                               : std::vector<FileArgument>{});
+  const std::optional<UpAxis> up = options.up ? std::optional(up_axis(*options.up)) : std::nullopt;
+  Ranks ranks(transport);
+  const CpuClock clock;
+  const auto scheduler = make_scheduler(common);
+  Progress progress("writing", common.quiet || !is_first);
+  progress.phase("writing");
+  SaveTilesConfig config;
+  config.tileset.morph = options.morph;
+  config.progress = [&](double share) { progress.update(share); };
+  std::optional<AtomicFolder> folder;
+  if (is_first) folder.emplace(is_tile_archive(options.tiles) ? options.tiles + ".files" : options.tiles);
+  RankTiles result =
+      save_rank_tiles(options.file, up ? &*up : nullptr, folder ? &*folder : nullptr, config, ranks, *scheduler);
+  const std::vector<RankFigures> figures = ranks.gather(
+      RankFigures{result.own_tiles, result.own_triangles, peak_resident_bytes(), clock.elapsed().cpu_seconds});
+  const std::vector<std::string> hosts = hosts_of(ranks);
+  if (!is_first) return;
+
+  finish_tiles(*folder, options.tiles, interrupt_flag(), result.saved);
+  progress.clear();
+  Json per_rank = Json::array();
+  for (std::size_t r = 0; r < figures.size(); ++r)
+    per_rank.push_back({{"rank", r},
+                        {"host", hosts[r]},
+                        {"tiles", figures[r].tiles},
+                        {"triangles", figures[r].triangles},
+                        {"cpu_seconds", figures[r].cpu_seconds},
+                        {"peak_bytes", figures[r].peak_bytes}});
+  Json json = to_json(result.saved, options.tiles, result.finest_triangles);
+  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", per_rank}});
+  write_result(common, json);
+  if (!common.prints()) return;
+  fmt::print("{}", summary(result.saved, options.tiles));
+  print_warnings(result.saved.warnings);
+}
+
+void check(const ExportOptions& options) {
+  if (options.tiles.empty()) throw UsageError("--tiles: the folder name is empty");
+}
+
+OptionTable declare(ExportOptions& o) {
+  return {OptionSpec{"FILE", &o.file, "Hierarchy (.lode)"}.must(),
+          OptionSpec{"--tiles", &o.tiles,
+                     "Folder to write, new or empty, which all machines share; or an archive of it (.3tz)"}
+              .must(),
+          up_option(o.up),
+          {"--morph", &o.morph, "As for lodestone export"},
+          timeout_option(o.timeout)};
+}
+
+}  // namespace
+
+void add_export_job(CommandTable& commands, MpiTransport& transport) {
+  add_job<ExportOptions>(commands, transport,
+                         {"export", "Write a hierarchy as a tileset by all processes of an MPI job",
+                          "  mpirun -n 4 lodestone-mpi export statue.lode --tiles tileset --morph --threads 2\n"},
+                         {declare, check, run});
+}
+
+}  // namespace lodestone

@@ -1,0 +1,28 @@
+// A hierarchy as a 3D Tiles tileset, written by all ranks side by side: the same files as save_tiles.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "core/files/atomic_folder.h"
+#include "core/mesh/up_axis.h"
+#include "parallel/distributed/ranks.h"
+#include "parallel/hierarchy/save_tiles.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct RankTiles {
+  std::uint64_t own_tiles = 0, own_triangles = 0;  // of this rank
+  std::uint64_t finest_triangles = 0;              // of the model
+  SavedTiles saved;                                // at rank 0: of all
+};
+
+// Called by all ranks: each writes the tiles of its cells (rank_cells.h). Rank 0 has the folder, on a disk that all
+// machines share, and writes what names the tiles; then it is to be committed. `up`: which axis is up, null as the file
+// says. Throws what load_lode and save_tiles throw, and UnsupportedError for `morph` of a file without signatures.
+// Memory: the rank's cells and their parents, and what save_tiles takes.
+[[nodiscard]] RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, AtomicFolder* folder,
+                                        const SaveTilesConfig& config, Ranks& ranks, Scheduler& scheduler);
+
+}  // namespace lodestone
