@@ -26,7 +26,8 @@ PatchProof::PatchProof(const DrawnMesh& full, double junction_distance, Schedule
 
 SurfaceSample PatchProof::measure(const DrawnPatches& drawn, const Screen& screen,
                                   std::optional<std::span<const float>> full_depth) const {
-  const auto& [positions, triangles] = drawn.surface;
+  const std::vector<Vec3d>& positions = drawn.surface.positions;
+  const std::vector<Triangle>& triangles = drawn.surface.triangles;
   std::vector<Vec3d> moved;  // of the border
   for (std::size_t i = 0; i < drawn.points.places.size(); ++i)
     if (is_in(border_, to_double(drawn.points.points[i]))) moved.push_back(to_double(drawn.points.places[i]));

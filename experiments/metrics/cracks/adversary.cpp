@@ -68,8 +68,9 @@ struct ViewedLevel {
 AdversarialView view_of_vertex(const ViewedLevel& viewed, CellId id, VertexId u) {
   const auto& [hierarchy, radii, level, slack, users] = viewed;
   const Cell& cell = hierarchy.cells[id];
+  const DistanceMetric metric = radii.metric;
   const float radius = radii.select[static_cast<std::size_t>(level)];
-  const auto beyond = [&](double r) { return viewpoint_beyond(radii.metric, cell.positions[u], cell.bounds, r); };
+  const auto beyond = [&](double r) { return viewpoint_beyond(metric, cell.positions[u], cell.bounds, r); };
   const Vec3f inside = beyond(radius * (1 - slack)), outside = beyond(radius * (1 + slack));
   const auto unrefined = [&viewed, inside, radius](CellId c) {
     return distance(viewed.radii.metric, inside, viewed.hierarchy.cells[c].bounds) >= radius;
