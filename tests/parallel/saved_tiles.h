@@ -50,6 +50,9 @@ class SaveTiles : public testing::Test {
     AtomicFolder folder(path());
     const SavedTiles saved = save_tiles(h, folder, *scheduler, config);
     folder.commit();
+    std::uint64_t bytes = 0;
+    for (const auto& [path, content] : files()) bytes += content.size();
+    EXPECT_EQ(saved.bytes, bytes);
     return saved;
   }
   [[nodiscard]] fs::path path() const { return folder_.path() / "tiles"; }

@@ -275,5 +275,21 @@ TEST_F(TileAtlases, KeepWithinTheLongestSide) {
   EXPECT_TRUE(make_tile_atlas(h, CellId(0), config).materials.empty());
 }
 
+TEST(DecodedImages, AreKeptWhileThereIsRoom) {
+  std::vector<Texture> textures;
+  for (std::uint32_t k = 0; k < 3; ++k)
+    textures.push_back(texture_of(patterned({32, 32}, k), TextureWrap::repeat, TextureWrap::repeat));
+  textures.push_back({"", "image/png", TextureWrap::repeat, TextureWrap::repeat, {'n', 'o', 'n', 'e'}});
+  const Hierarchy h = striped({textured_material()}, textures);
+  DecodedImages many(h, std::size_t{1} << 20), few(h, 2 * 32 * 32 * 3);
+  const auto first = many.get(0, 0), first_of_few = few.get(0, 0);
+  for (const std::uint32_t texture : {1u, 2u, 3u, 3u}) {
+    EXPECT_EQ(many.get(texture, 0) == nullptr, texture == 3);
+    (void)few.get(texture, 0);
+  }
+  EXPECT_EQ(many.get(0, 0), first);
+  EXPECT_NE(few.get(0, 0), first_of_few);
+}
+
 }  // namespace
 }  // namespace lodestone

@@ -10,6 +10,7 @@
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/texture/colour.h"
 #include "core/texture/downsample.h"
+#include "core/texture/stacked_normals.h"
 #include "tests/core/texture/pixel_images.h"
 #include "tests/expect_error.h"
 
@@ -253,6 +254,18 @@ TEST(ImageCodec, RefusesFourInks) {
 
 Texture texture_of(const PixelImage& image, const std::string& type = "image/png") {
   return {.name = "t", .media_type = type, .bytes = encode_image(image, type)};
+}
+
+TEST(StackedNormals, AreTallAndGreyEverywhere) {
+  PixelImage grey{{4, 12}, 3, std::vector<std::uint8_t>(4 * 12 * 3, 90)};
+  EXPECT_TRUE(is_stacked(grey));
+  for (const int off : {8, 9}) {  // WebP rounds
+    PixelImage last = grey;
+    last.pixels.back() = static_cast<std::uint8_t>(90 + off);
+    EXPECT_EQ(is_stacked(last), off == 8);
+  }
+  grey.size = {12, 4};
+  EXPECT_FALSE(is_stacked(grey));
 }
 
 TEST(TextureLevels, HalveDownToTheLeastSide) {

@@ -133,6 +133,9 @@ TEST(PositionMap, RefusesViewsThatAreNone) {
   };
   refused([](MapView& v) { v.width = 0; });
   refused([](MapView& v) { v.height = largest_map_side + 1; });
+  MapView largest = good;
+  largest.width = largest.height = largest_map_side;
+  EXPECT_NO_THROW(check_view(largest));
   refused([](MapView& v) { v.pixel = 0; });
   refused([](MapView& v) { v.eye.x = std::nan(""); });
   refused([](MapView& v) { v.right = v.up; });

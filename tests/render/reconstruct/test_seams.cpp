@@ -237,5 +237,34 @@ TEST(SplitVertices, PartsFansAndTheirBorders) {
   expect_borders_of(seam.borders, seam.mesh);
 }
 
+// A disc of needles, each a spacing wide, within a ring of well-shaped triangles: no edge is short, and flipping one
+// leaves a triangle without area.
+TEST(TidySeams, CollapsesNeedles) {
+  constexpr std::uint32_t n = 188;
+  std::vector<Vec3f> positions{{0, 0, 0}};
+  std::vector<Triangle> triangles;
+  for (const float radius : {30.0f, 31.0f})
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      positions.push_back(radius * Vec3f{static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0});
+    }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t a = 1 + i, b = 1 + (i + 1) % n;
+    triangles.insert(triangles.end(), {{{0, a, b}}, {{a, a + n, b + n}}, {{a, b + n, b}}});
+  }
+  SeamMesh seam = seam_of(positions, std::vector<Vec3f>(positions.size(), Vec3f{0, 0, 1}), triangles, {}, 1);
+  const auto worst = [&] {
+    float aspect = 0;
+    for (const Triangle& t : triangles_of(seam.mesh))
+      aspect = std::max(aspect, aspect_of(seam.position[t.v[0]], seam.position[t.v[1]], seam.position[t.v[2]]));
+    return aspect;
+  };
+  EXPECT_GT(worst(), 25);
+  const auto scheduler = make_tbb_scheduler(2);
+  const TidyResult result = tidy_seams(seam, {.spacing = 1}, *scheduler);
+  EXPECT_GT(result.collapsed, n / 4);
+  EXPECT_LE(worst(), 20);
+}
+
 }  // namespace
 }  // namespace lodestone::test
