@@ -130,8 +130,10 @@ std::size_t level_sample_stride(std::size_t triangles) {
 }
 
 int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std::uint32_t cell_triangles) {
+  // With fewer samples for a cell many cells are not seen: their number grows from level to level as it did before.
+  const double fewest = sample.size() < triangles ? 4 : 0;
   int best = 0;
-  double best_misfit = std::numeric_limits<double>::infinity();
+  double best_misfit = std::numeric_limits<double>::infinity(), cells = 1, growth = 4;
   CellNumbers occupied;
   for (int level = 0; level <= max_level; ++level) {
     occupied.clear(occupied.size());
@@ -140,7 +142,10 @@ int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std
       const CellCode code{finest.morton >> (3 * (max_level - level))};
       if (code != last) (void)occupied.number(last = code);
     }
-    const double mean = static_cast<double>(triangles) / static_cast<double>(occupied.size());
+    const auto seen = static_cast<double>(occupied.size());
+    if (seen * fewest <= static_cast<double>(sample.size())) growth = seen / cells;
+    cells = std::max(seen, cells * growth);
+    const double mean = static_cast<double>(triangles) / cells;
     const double misfit = std::abs(std::log(mean / cell_triangles));
     if (misfit < best_misfit) best = level, best_misfit = misfit;
     if (mean < cell_triangles) break;

@@ -266,5 +266,24 @@ TEST(ChooseFinestLevel, TakesTheLevelWhoseOccupiedCellsAreNearestToTheTarget) {
   }
 }
 
+// On a plane, which has 4^l cells at level l: beyond some 40 million triangles most of its cells are in no sample.
+TEST(ChooseFinestLevel, CountsTheCellsThatNoSampleSees) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> anywhere(0, 1);
+  constexpr std::uint32_t side = 256;
+  std::vector<CellCode> regular, drawn;
+  for (std::uint32_t i = 0; i < side * side; ++i) {
+    const auto on_grid = [](std::uint32_t k) { return (static_cast<float>(k) + 0.5f) / side; };
+    regular.push_back(CellCode::from(cell_of({on_grid(i % side), on_grid(i / side), 0.3f}, max_level)));
+    drawn.push_back(CellCode::from(cell_of({anywhere(random), anywhere(random), 0.3f}, max_level)));
+  }
+  for (const std::size_t triangles : {std::size_t{10'000'000}, std::size_t{60'000'000}, std::size_t{240'000'000},
+                                      std::size_t{1'000'000'000}, std::size_t{1'000'000'000'000}}) {
+    const double best = std::log(static_cast<double>(triangles) / 1200) / std::log(4.0);
+    for (const auto& sample : {regular, drawn})
+      EXPECT_EQ(finest_level_of(sample, triangles, 1200), std::lround(best)) << triangles;
+  }
+}
+
 }  // namespace
 }  // namespace lodestone

@@ -11,6 +11,7 @@ const std::vector<std::string> keys{"colour", "opacity", "position", "rotation",
 TEST(KnownNames, SuggestTheNearest) {
   for (const auto& [word, meant] : {std::pair{"color", "colour"},
                                     {"colur", "colour"},
+                                    {"colr", "colour"},
                                     {"oapcity", "opacity"},
                                     {"Position", "position"},
                                     {"postion", "position"},
@@ -20,7 +21,7 @@ TEST(KnownNames, SuggestTheNearest) {
                                     {"headlight", "head-light"}})
     EXPECT_EQ(nearest_name(word, keys), meant) << word;
   for (const char* word : {"", "x", "texture", "fo", "thickness"}) EXPECT_EQ(nearest_name(word, keys), "") << word;
-  EXPECT_EQ(nearest_name(std::string(1000, 'a'), {std::string(1000, 'a') + "b"}), "");
+  EXPECT_EQ(nearest_name(std::string(1000, 'a'), std::vector(1, std::string(1001, 'a'))), "");
 }
 
 TEST(KnownNames, AreListedInTheirOrder) {

@@ -122,6 +122,20 @@ TEST(Shadows, TakeNoPassWithoutALightThatCastsThem) {
   }
 }
 
+TEST(Shadows, CountWhatIsOpaqueAndWhatIsNotOnBothBackends) {
+  EffectScene scene = small("shadow");
+  std::string why;
+  const auto scheduler = make_serial_scheduler();
+  const auto gl = renderer_if_possible("gl", *scheduler, why);
+  const auto counted = [](const FrameStats& stats) { return stats.work.at("shadow triangles"); };
+  const std::uint64_t opaque = counted(draw_soft(scene).stats);
+  EXPECT_GT(opaque, 0u);
+  scene.models[1].appearance.opacity = 0.5f;
+  EXPECT_EQ(counted(draw_soft(scene).stats), opaque);
+  if (!gl) GTEST_SKIP() << why;
+  EXPECT_EQ(counted(draw_effects(scene, *gl).stats), opaque);
+}
+
 TEST(Layers, AreThoseOfRaysInOrder) {
   EffectScene scene = small("transparency_all");
   scene.settings = {};
