@@ -50,8 +50,9 @@ RankCells load_rank_cells(const std::filesystem::path& file, int rank, int ranks
   cells.memory.resize(families.size());
   scheduler.for_chunks(families.size(), 1, [&](ChunkRange chunk) {
     LoadedFamily loaded = stream.load(families[chunk.begin]);
+    // The tables of the stream: those of the hierarchy are being written.
     std::move(loaded.cells.begin(), loaded.cells.end(),
-              hierarchy.cells.begin() + family_cells(hierarchy, loaded.parent).begin);
+              hierarchy.cells.begin() + family_cells(stream.tables(), loaded.parent).begin);
     cells.memory[chunk.begin] = std::move(loaded.memory);
   });
   return cells;

@@ -101,8 +101,9 @@ class TileAtlases : public testing::Test {
     for (const Triangle& t : cell.triangles) {
       const std::uint32_t material = cell.attributes.materials[t.v[0]];
       if (!atlas.replacing(material)) continue;
-      for (const auto& [a, b] : {std::pair{1.0f, 0.0f}, {0.0f, 1.0f}, {0.0f, 0.0f}, {0.3f, 0.3f}, {0.1f, 0.6f}}) {
+      for (const auto& weights : {std::pair{1.0f, 0.0f}, {0.0f, 1.0f}, {0.0f, 0.0f}, {0.3f, 0.3f}, {0.1f, 0.6f}}) {
         const auto mix = [&](std::span<const Vec2f> uv) {
+          const auto [a, b] = weights;
           const Vec2f p = uv[t.v[0]], q = uv[t.v[1]], r = uv[t.v[2]];
           const float c = 1 - a - b;
           return Vec2f{a * p.x + b * q.x + c * r.x, a * p.y + b * q.y + c * r.y};

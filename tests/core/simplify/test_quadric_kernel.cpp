@@ -125,8 +125,8 @@ TEST(QuadricKernel, UnderstatesNoDistanceFromNeedles) {
 double sphere_rms(const SimplifyInput& input, const SimplifyResult& result) {
   double sum = 0;
   std::size_t n = 0;
-  for (const auto& [v] : image(input, result)) {
-    const auto at = [&](int k) { return to_double(result.positions[v[k]]); };
+  for (const Triangle& t : image(input, result)) {
+    const auto at = [&](int k) { return to_double(result.positions[t.v[k]]); };
     const double off = length((1.0 / 3) * (at(0) + at(1) + at(2))) - 1;
     sum += off * off, ++n;
   }
@@ -210,8 +210,8 @@ TEST(QuadricKernel, KeepsTheRimOfDoubledFaces) {
   const SimplifyResult result = sound(input);
   EXPECT_LE(result.triangles, 100u);
   double area = 0;
-  for (const auto& [v] : image(input, result)) {
-    const auto at = [&](int k) { return to_double(result.positions[v[k]]); };
+  for (const Triangle& t : image(input, result)) {
+    const auto at = [&](int k) { return to_double(result.positions[t.v[k]]); };
     area += length(cross(at(1) - at(0), at(2) - at(0))) / 2;
   }
   EXPECT_NEAR(area, 2, 1e-5);

@@ -119,7 +119,7 @@ std::multiset<std::array<std::array<float, 3>, 3>> places(const ProgressiveMesh&
       const Vec3f p = mesh.positions[t.v[k]];
       corners[k] = {p.x, p.y, p.z};
     }
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     out.insert(corners);
   }
   return out;

@@ -105,7 +105,7 @@ TEST_P(Sampling, ShowsTheTextureAtEachPoint) {
   const Differences d = compare(image, view, 6, [&](double x, double y, Vec3d p) {
     const double u = double{plan.u.x} * p.x + double{plan.u.y} * p.y,
                  v = double{plan.v.x} * p.x + double{plan.v.y} * p.y;
-    return twin.sample(u, v, footprint(view, plan, s.size, x, y));
+    return twin.sample(u, v, footprint(view, plan, pixels.size, x, y));
   });
   EXPECT_GT(d.pixels, 5000u);
   // The logarithm of both backends is up to 0.043 off; hardware has eight bits for places between texels, and llvmpipe
