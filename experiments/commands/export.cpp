@@ -57,10 +57,10 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
 
 void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   if (options.tiles->empty()) throw UsageError("--tiles: the folder name is empty");
-  const bool packed = is_tile_archive(*options.tiles);
-  check_files(common, {{"FILE", options.file}},
-              packed ? std::vector<FileArgument>{{"--tiles", *options.tiles}} : std::vector<FileArgument>{});
-  AtomicFolder folder(packed ? *options.tiles + ".files" : *options.tiles);
+  std::vector<FileArgument> outputs;
+  if (is_tile_archive(*options.tiles)) outputs.push_back({"--tiles", *options.tiles});
+  check_files(common, {{"FILE", options.file}}, outputs);
+  AtomicFolder folder(tile_folder(*options.tiles));
   const CpuClock clock;
   const auto scheduler = make_scheduler(common);
   Progress progress("writing", common.quiet);

@@ -29,10 +29,9 @@ struct RankFigures {
 
 void run(const ExportOptions& options, const CommonOptions& common, Transport& transport) {
   const bool is_first = transport.rank() == 0;
-  if (is_first)
-    check_files(common, {{"FILE", options.file}},
-                is_tile_archive(options.tiles) ? std::vector<FileArgument>{{"--tiles", options.tiles}}
-                                               : std::vector<FileArgument>{});
+  std::vector<FileArgument> outputs;
+  if (is_tile_archive(options.tiles)) outputs.push_back({"--tiles", options.tiles});
+  if (is_first) check_files(common, {{"FILE", options.file}}, outputs);
   const std::optional<UpAxis> up = options.up ? std::optional(up_axis(*options.up)) : std::nullopt;
   Ranks ranks(transport);
   const CpuClock clock;
@@ -43,12 +42,16 @@ void run(const ExportOptions& options, const CommonOptions& common, Transport& t
   config.tileset.morph = options.morph;
   config.progress = [&](double share) { progress.update(share); };
   std::optional<AtomicFolder> folder;
-  if (is_first) folder.emplace(is_tile_archive(options.tiles) ? options.tiles + ".files" : options.tiles);
-  RankTiles result =
-      save_rank_tiles(options.file, up ? &*up : nullptr, folder ? &*folder : nullptr, config, ranks, *scheduler);
-  const std::vector<RankFigures> figures = ranks.gather(
-      RankFigures{result.own_tiles, result.own_triangles, peak_resident_bytes(), clock.elapsed().cpu_seconds});
-  const std::vector<std::string> hosts = hosts_of(ranks);
+  if (is_first) folder.emplace(tile_folder(options.tiles));
+  std::vector<RankFigures> figures;
+  std::vector<std::string> hosts;
+  const auto last_words = [&](const RankTiles& own) {
+    figures =
+        ranks.gather(RankFigures{own.own_tiles, own.own_triangles, peak_resident_bytes(), clock.elapsed().cpu_seconds});
+    hosts = hosts_of(ranks);
+  };
+  RankTiles result = save_rank_tiles(options.file, up ? &*up : nullptr, folder ? &*folder : nullptr, config, last_words,
+                                     ranks, *scheduler);
   if (!is_first) return;
 
   finish_tiles(*folder, options.tiles, interrupt_flag(), result.saved);

@@ -8,6 +8,8 @@ namespace lodestone {
 
 bool is_tile_archive(const std::string& target) { return std::filesystem::path(target).extension() == ".3tz"; }
 
+std::string tile_folder(const std::string& target) { return is_tile_archive(target) ? target + ".files" : target; }
+
 void finish_tiles(AtomicFolder& folder, const std::string& target, const CancelFlag& cancel, SavedTiles& saved) {
   // Workers finish tiles in any order; files packed afterwards are in the same order always.
   if (is_tile_archive(target))

@@ -10,6 +10,8 @@
 namespace lodestone {
 
 [[nodiscard]] bool is_tile_archive(const std::string& target);
+// The folder that files are written into: the target, or one beside an archive, which is gone in the end.
+[[nodiscard]] std::string tile_folder(const std::string& target);
 
 // Makes the written files whole under the target; `bytes` of an archive become those of the one file. Throws Cancelled,
 // and what the folder and write_tile_archive throw.

@@ -107,9 +107,10 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
-    return make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
+    RankFinest made = make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
+    head.provenance.fingerprint = ranks.sum(made.fingerprint);
+    return made;
   });
-  head.provenance.fingerprint = ranks.sum(finest.fingerprint);
   const std::vector<CellPart> levels = stages.run("building", [&] {
     return build_rank_levels(std::move(finest.part), choice.level,
                              {config.build, choice.owners, head.transform.lattice}, ranks, scheduler);

@@ -170,11 +170,8 @@ class RankSaver {
       file_->reserve(tables_->layout().payload_end());
       name = std::filesystem::absolute(file_->written_path()).string();
     }
-    const auto bytes = std::as_bytes(std::span(name));
-    const Message message = ranks_.from_first({bytes.begin(), bytes.end()});
-    name.assign(reinterpret_cast<const char*>(message.data()), message.size());
-    if (is_first()) return;
-    file_ = std::make_unique<AtomicFile>(path, name);
+    name = ranks_.from_first(name);
+    if (!is_first()) file_ = std::make_unique<AtomicFile>(path, name);
   }
 
   void write_payloads() {

@@ -4,19 +4,10 @@
 #include "parallel/distributed/rank_cells.h"
 
 namespace lodestone {
-namespace {
-
-Message message_of(const std::string& text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
-std::string text_of(const Message& message) { return {reinterpret_cast<const char*>(message.data()), message.size()}; }
-
-}  // namespace
 
 RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, AtomicFolder* folder,
-                          const SaveTilesConfig& config, Ranks& ranks, Scheduler& scheduler) {
+                          const SaveTilesConfig& config, const std::function<void(const RankTiles&)>& last_words,
+                          Ranks& ranks, Scheduler& scheduler) {
   RankCells cells = load_rank_cells(file, ranks.rank(), ranks.count(), scheduler);
   Hierarchy& hierarchy = cells.hierarchy;
   if (up) hierarchy.transform.up = {*up, false};
@@ -24,26 +15,27 @@ RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, A
     throw UnsupportedError(describe(file.string(), "", "has no signatures, which tiles that morph need",
                                     "build it again, or export it with lodestone, which finds them"));
 
-  if (folder) add_level_folders(hierarchy, *folder);
-  const std::string path =
-      text_of(ranks.from_first(message_of(folder ? std::filesystem::absolute(folder->path()).string() : "")));
-  TileWriter writer(hierarchy, path, scheduler, config);
-  writer.write_tiles(cells.own);
-
-  std::vector<Message> told(static_cast<std::size_t>(ranks.count()));
-  if (!folder) told.front() = message_of(writer.tell());
-  const std::vector<Message> heard = ranks.exchange(std::move(told));
   RankTiles result;
   result.finest_triangles = hierarchy.levels.back().triangles;
   for (const CellId cell : cells.own) {
     result.own_tiles += !hierarchy.cells[cell].triangles.empty();
     result.own_triangles += hierarchy.cells[cell].triangles.size();
   }
-  if (folder) {
-    for (const Message& message : heard)
-      if (!message.empty()) writer.hear(text_of(message));
-    result.saved = writer.write_rest(*folder);
+  if (folder) add_level_folders(hierarchy, *folder);
+  const std::string path = ranks.from_first(folder ? std::filesystem::absolute(folder->path()).string() : "");
+  TileWriter writer(hierarchy, path, scheduler, config);
+  writer.write_tiles(cells.own);
+  std::vector<std::vector<char>> told(static_cast<std::size_t>(ranks.count()));
+  if (!folder) {
+    const std::string text = writer.tell();
+    told.front().assign(text.begin(), text.end());
   }
+  const std::vector<std::vector<char>> heard = ranks.exchange(told);
+  last_words(result);
+  if (!folder) return result;
+  for (const std::vector<char>& text : heard)
+    if (!text.empty()) writer.hear({text.begin(), text.end()});
+  result.saved = writer.write_rest(*folder);
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 
 #include "core/files/atomic_folder.h"
 #include "core/mesh/up_axis.h"
@@ -19,10 +20,13 @@ struct RankTiles {
 };
 
 // Called by all ranks: each writes the tiles of its cells (rank_cells.h). Rank 0 has the folder, on a disk that all
-// machines share, and writes what names the tiles; then it is to be committed. `up`: which axis is up, null as the file
-// says. Throws what load_lode and save_tiles throw, and UnsupportedError for `morph` of a file without signatures.
-// Memory: the rank's cells and their parents, and what save_tiles takes.
+// machines share. Then all call last_words(), for their last messages, and rank 0 writes what names the tiles; the
+// folder is to be committed. `up`: which axis is up, null as the file says. Throws what load_lode and save_tiles throw,
+// and UnsupportedError for `morph` of a file without signatures. Memory: the rank's cells and their parents, and what
+// save_tiles takes.
 [[nodiscard]] RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, AtomicFolder* folder,
-                                        const SaveTilesConfig& config, Ranks& ranks, Scheduler& scheduler);
+                                        const SaveTilesConfig& config,
+                                        const std::function<void(const RankTiles&)>& last_words, Ranks& ranks,
+                                        Scheduler& scheduler);
 
 }  // namespace lodestone

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <functional>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -68,8 +69,8 @@ class Ranks {
   [[nodiscard]] bool any(bool value) { return maximum(value) > 0; }
   // Rank 0 waits for all others, of which none waits for it: what it does after that, it does if none has failed.
   void tell_first();
-  // Returns rank 0's message; those of the others do not count.
-  [[nodiscard]] Message from_first(const Message& message);
+  // Returns rank 0's text; those of the others do not count.
+  [[nodiscard]] std::string from_first(const std::string& text);
 
  private:
   void send(int to, const Message& payload);

@@ -133,7 +133,7 @@ int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std
   // With fewer samples for a cell many cells are not seen: their number grows from level to level as it did before.
   const double fewest = sample.size() < triangles ? 4 : 0;
   int best = 0;
-  double best_misfit = std::numeric_limits<double>::infinity(), cells = 1, growth = 4;
+  double best_misfit = std::numeric_limits<double>::infinity(), cells = 1, growth = 1;
   CellNumbers occupied;
   for (int level = 0; level <= max_level; ++level) {
     occupied.clear(occupied.size());
@@ -143,8 +143,9 @@ int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std
       if (code != last) (void)occupied.number(last = code);
     }
     const auto seen = static_cast<double>(occupied.size());
-    if (seen * fewest <= static_cast<double>(sample.size())) growth = seen / cells;
-    cells = std::max(seen, cells * growth);
+    const bool sees_all = seen * fewest <= static_cast<double>(sample.size());
+    if (sees_all) growth = seen / cells;
+    cells = sees_all ? seen : std::max(seen, cells * growth);
     const double mean = static_cast<double>(triangles) / cells;
     const double misfit = std::abs(std::log(mean / cell_triangles));
     if (misfit < best_misfit) best = level, best_misfit = misfit;

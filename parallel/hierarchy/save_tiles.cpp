@@ -7,6 +7,7 @@
 #include <mutex>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "core/base/error.h"
@@ -78,6 +79,9 @@ class TileWriter::Parts {
   }
 
   void hear(const std::string& told) {
+    const auto wrong = [](const std::exception& error) {
+      return Error(std::string("what another process tells of its tiles cannot be read: ") + error.what());
+    };
     try {
       const Json part = Json::parse(told);
       for (const Json& of_cell : part["cells"]) {
@@ -93,8 +97,10 @@ class TileWriter::Parts {
       for (const Json& image : part["linked"])
         linked_.emplace(image[0].string(), std::pair(image[1].get<std::uint32_t>(), image[2].get<int>()));
       for (std::size_t k = 0; k < count_kinds; ++k) counts_[k] += part["counts"][k].get<std::uint64_t>();
-    } catch (const std::exception& error) {
-      throw Error(std::string("what another process tells of its tiles cannot be read: ") + error.what());
+    } catch (const JsonError& error) {
+      throw wrong(error);
+    } catch (const std::out_of_range& error) {
+      throw wrong(error);
     }
   }
 

@@ -31,6 +31,7 @@ struct SavedTiles {
   std::uint64_t atlases = 0;    // tiles whose materials share images
   std::uint64_t bytes = 0;      // of all files
   std::vector<std::string> warnings;
+  friend bool operator==(const SavedTiles&, const SavedTiles&) = default;
 };
 
 // Writes the files that core/hierarchy/tiles/tileset_tree.h lists into the folder, which is not committed. The same

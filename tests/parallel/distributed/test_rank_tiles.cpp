@@ -38,8 +38,8 @@ class RankTilesets : public SaveTiles {
       std::optional<AtomicFolder> folder;
       if (transport.rank() == 0) folder.emplace(path());
       Ranks all(transport);
-      const RankTiles result = save_rank_tiles(name_, up, folder ? &*folder : nullptr, config, all, *scheduler);
-      own_tiles += result.own_tiles;
+      const auto count = [&](const RankTiles& own) { own_tiles += own.own_tiles; };
+      const RankTiles result = save_rank_tiles(name_, up, folder ? &*folder : nullptr, config, count, all, *scheduler);
       if (!folder) return;
       folder->commit();
       saved = result.saved;
@@ -62,15 +62,8 @@ TEST_F(RankTilesets, HaveTheFilesOfOneProcess) {
       ASSERT_GT(expected.tiles, 20u);
       for (const int ranks : {1, 2, 3, 5, 8})
         for (const int threads : {0, 2}) {
-          const SavedTiles saved = save_by(ranks, threads, config);
+          EXPECT_TRUE(save_by(ranks, threads, config) == expected);
           EXPECT_TRUE(files() == expected_files) << ranks << " ranks, " << threads << " threads, morph " << morph;
-          EXPECT_EQ(saved.tiles, expected.tiles);
-          EXPECT_EQ(saved.tilesets, expected.tilesets);
-          EXPECT_EQ(saved.textures, expected.textures);
-          EXPECT_EQ(saved.triangles, expected.triangles);
-          EXPECT_EQ(saved.draws, expected.draws);
-          EXPECT_EQ(saved.bytes, expected.bytes);
-          EXPECT_EQ(saved.warnings, expected.warnings);
         }
     }
   }
