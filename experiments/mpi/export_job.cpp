@@ -32,26 +32,25 @@ void run(const ExportOptions& options, const CommonOptions& common, Transport& t
   std::vector<FileArgument> outputs;
   if (is_tile_archive(options.tiles)) outputs.push_back({"--tiles", options.tiles});
   if (is_first) check_files(common, {{"FILE", options.file}}, outputs);
-  const std::optional<UpAxis> up = options.up ? std::optional(up_axis(*options.up)) : std::nullopt;
   Ranks ranks(transport);
   const CpuClock clock;
   const auto scheduler = make_scheduler(common);
   Progress progress("writing", common.quiet || !is_first);
   progress.phase("writing");
-  SaveTilesConfig config;
-  config.tileset.morph = options.morph;
-  config.progress = [&](double share) { progress.update(share); };
-  std::optional<AtomicFolder> folder;
-  if (is_first) folder.emplace(tile_folder(options.tiles));
   std::vector<RankFigures> figures;
   std::vector<std::string> hosts;
-  const auto last_words = [&](const RankTiles& own) {
+  RankTilesConfig config;
+  config.tiles.tileset.morph = options.morph;
+  config.tiles.progress = [&](double share) { progress.update(share); };
+  if (options.up) config.up = up_axis(*options.up);
+  config.last_words = [&](const RankTiles& own) {
     figures =
         ranks.gather(RankFigures{own.own_tiles, own.own_triangles, peak_resident_bytes(), clock.elapsed().cpu_seconds});
     hosts = hosts_of(ranks);
   };
-  RankTiles result = save_rank_tiles(options.file, up ? &*up : nullptr, folder ? &*folder : nullptr, config, last_words,
-                                     ranks, *scheduler);
+  std::optional<AtomicFolder> folder;
+  if (is_first) folder.emplace(tile_folder(options.tiles));
+  RankTiles result = save_rank_tiles(options.file, folder ? &*folder : nullptr, config, ranks, *scheduler);
   if (!is_first) return;
 
   finish_tiles(*folder, options.tiles, interrupt_flag(), result.saved);

@@ -5,13 +5,12 @@
 
 namespace lodestone {
 
-RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, AtomicFolder* folder,
-                          const SaveTilesConfig& config, const std::function<void(const RankTiles&)>& last_words,
+RankTiles save_rank_tiles(const std::filesystem::path& file, AtomicFolder* folder, const RankTilesConfig& config,
                           Ranks& ranks, Scheduler& scheduler) {
   RankCells cells = load_rank_cells(file, ranks.rank(), ranks.count(), scheduler);
   Hierarchy& hierarchy = cells.hierarchy;
-  if (up) hierarchy.transform.up = {*up, false};
-  if (config.tileset.morph && !hierarchy.signatures)
+  if (config.up) hierarchy.transform.up = {*config.up, false};
+  if (config.tiles.tileset.morph && !hierarchy.signatures)
     throw UnsupportedError(describe(file.string(), "", "has no signatures, which tiles that morph need",
                                     "build it again, or export it with lodestone, which finds them"));
 
@@ -23,7 +22,7 @@ RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, A
   }
   if (folder) add_level_folders(hierarchy, *folder);
   const std::string path = ranks.from_first(folder ? std::filesystem::absolute(folder->path()).string() : "");
-  TileWriter writer(hierarchy, path, scheduler, config);
+  TileWriter writer(hierarchy, path, scheduler, config.tiles);
   writer.write_tiles(cells.own);
   std::vector<std::vector<char>> told(static_cast<std::size_t>(ranks.count()));
   if (!folder) {
@@ -31,7 +30,7 @@ RankTiles save_rank_tiles(const std::filesystem::path& file, const UpAxis* up, A
     told.front().assign(text.begin(), text.end());
   }
   const std::vector<std::vector<char>> heard = ranks.exchange(told);
-  last_words(result);
+  if (config.last_words) config.last_words(result);
   if (!folder) return result;
   for (const std::vector<char>& text : heard)
     if (!text.empty()) writer.hear({text.begin(), text.end()});

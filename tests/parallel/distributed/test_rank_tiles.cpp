@@ -29,7 +29,7 @@ class RankTilesets : public SaveTiles {
     return name_;
   }
 
-  SavedTiles save_by(int ranks, int threads, const SaveTilesConfig& config = {}, const UpAxis* up = nullptr) {
+  SavedTiles save_by(int ranks, int threads, const SaveTilesConfig& config = {}, std::optional<UpAxis> up = {}) {
     fs::remove_all(path());
     SavedTiles saved;
     std::atomic<std::uint64_t> own_tiles{0};
@@ -38,8 +38,9 @@ class RankTilesets : public SaveTiles {
       std::optional<AtomicFolder> folder;
       if (transport.rank() == 0) folder.emplace(path());
       Ranks all(transport);
-      const auto count = [&](const RankTiles& own) { own_tiles += own.own_tiles; };
-      const RankTiles result = save_rank_tiles(name_, up, folder ? &*folder : nullptr, config, count, all, *scheduler);
+      const RankTiles result =
+          save_rank_tiles(name_, folder ? &*folder : nullptr,
+                          {config, up, [&](const RankTiles& own) { own_tiles += own.own_tiles; }}, all, *scheduler);
       if (!folder) return;
       folder->commit();
       saved = result.saved;
@@ -75,7 +76,7 @@ TEST_F(RankTilesets, TurnTheModelAsTheyAreTold) {
   h.transform.up = {up, false};
   (void)save(h);
   const auto expected = files();
-  (void)save_by(3, 2, {}, &up);
+  (void)save_by(3, 2, {}, up);
   EXPECT_TRUE(files() == expected);
 }
 
