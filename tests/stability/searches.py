@@ -12,7 +12,7 @@ FUZZ = """
 `scripts/fuzz` gives each reader, `simplify` and the selection of cells whatever libFuzzer makes of the corpus, under the
 address and undefined-behaviour sanitizers: an input fails that ends the program, takes more than a minute or 2 GiB, or breaks
 what the harness asserts. Edges are those of our code that the inputs reach before and after a search, which begins with the
-corpus and with what earlier ones have kept. Last run on {date}, {seconds:,} s in all, of a machine with other work to do:
+corpus and with what earlier ones have kept. Last run on {date}, {seconds:,} s of processor time in all:
 
 | harness | inputs | edges before | edges after | failed |
 | --- | ---: | ---: | ---: | --- |
@@ -30,7 +30,7 @@ def fuzz_row(log):
     runs = re.search(r"stat::number_of_executed_units: (\d+)", text)
     edges = re.findall(r"cov: (\d+)", text)
     inited = re.search(r"INITED cov: (\d+)", text)
-    seconds = re.search(r"Done \d+ runs in (\d+) second", text)
+    seconds = re.search(r"(\d+) s of processor time", text)
     failed = re.search(r"SUMMARY: (.*)", text)
     return (f"| {log.stem} | {int(runs[1]) if runs else 0:,} | {inited[1] if inited else 0} | {edges[-1] if edges else 0} | "
             f"{failed[1] if failed else 'none'} |", int(seconds[1]) if seconds else 0)

@@ -10,7 +10,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import searches  # noqa: E402
 
 PAGE = "# Hard input\n\n## Views\n\nThe test.\n"
-LOG = "#9\tINITED cov: 12 ft: 1\n#99\tDONE   cov: 34 ft: 2\nDone 1234 runs in 90 second(s)\nstat::number_of_executed_units: 1234\n"
+LOG = """#9	INITED cov: 12 ft: 1
+#99	DONE   cov: 34 ft: 2
+Done 1234 runs in 120 second(s)
+stat::number_of_executed_units: 1234
+fuzz: ply: 90 s of processor time
+"""
 
 
 class Searches(unittest.TestCase):
@@ -32,6 +37,7 @@ class Searches(unittest.TestCase):
         (self.build / "mutate/abc-release-1-2-near.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
         page = self.page(PAGE)
         self.assertIn("| ply | 1,234 | 12 | 34 | none |\n", page)
+        self.assertIn(", 180 s of processor time in all:\n", page)
         self.assertIn("| off | 1,234 | 12 | 34 | AddressSanitizer: odd |\n", page)
         self.assertIn("Of 2 faults at commit abc (", page)
         self.assertIn("the tests of the nearest folder alone caught 1 (50.0 %): bound 0 of 1, sign 1 of 1.", page)
