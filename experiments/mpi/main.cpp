@@ -3,6 +3,7 @@
 
 #include "experiments/commands/command.h"
 #include "experiments/commands/parser.h"
+#include "experiments/large_memory.h"
 #include "experiments/mpi/job.h"
 #include "experiments/mpi/plan.h"
 
@@ -14,6 +15,7 @@ int run_commands(int argc, char** argv) {
   CommandTable commands;
   add_build_job(commands, transport);
   add_export_job(commands, transport);
+  add_verify_job(commands, transport);
   add_plan(commands, transport.rank() == 0);
   install_signal_handlers();
   allow_many_files();
@@ -28,4 +30,7 @@ int run_commands(int argc, char** argv) {
 }  // namespace
 }  // namespace lodestone
 
-int main(int argc, char** argv) { return lodestone::guard_memory(lodestone::run_commands, argc, argv); }
+int main(int argc, char** argv) {
+  lodestone::keep_large_memory();
+  return lodestone::guard_memory(lodestone::run_commands, argc, argv);
+}
