@@ -1,11 +1,9 @@
 // lodestone verify: proves the invariants of a .lode file, independently of the builder.
-#include <fmt/core.h>
+#include "experiments/subjects/verify.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "core/base/error.h"
-#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -37,17 +35,6 @@ IndexedMesh read_input(const std::vector<std::string>& inputs, const ReadConfig&
   }
 }
 
-// By how much estimates are too small.
-void print_ratio(const std::vector<double>& by_level) {
-  const auto worst = std::ranges::max_element(by_level);
-  if (worst != by_level.end() && *worst > 1)
-    fmt::print(
-        "note: errors are estimates; on level {} a point is {:.2f} times the level's error away from the other "
-        "surface: "
-        "build --measure-error makes them bounds\n",
-        worst - by_level.begin(), *worst);
-}
-
 void run(const VerifyOptions& options, const CommonOptions& common) {
   const auto& [file, meshes, input_options] = options;
   std::vector<FileArgument> inputs{{"FILE", file}};
@@ -64,25 +51,10 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   progress.phase("verifying");
   const VerifyReport report = verify_with_radii(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();
-  const bool valid =
-      std::all_of(report.checks.begin(), report.checks.end(), [](const VerifyCheck& c) { return c.passed; });
-  Json checks = Json::array();
-  for (const VerifyCheck& c : report.checks)
-    checks.push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
-  write_result(common, {{"file", file},
-                        {"valid", valid},
-                        {"checks", checks},
-                        {"errors", hierarchy.provenance.measured_errors ? "measured" : "estimated"},
-                        {"sampled_over_error", report.error_ratio}});
-  if (common.prints()) {
-    for (const VerifyCheck& c : report.checks)
-      fmt::print("{} {:<28} {}\n", c.passed ? "holds" : "FAILS", c.name, c.detail);
-    if (!hierarchy.provenance.measured_errors) print_ratio(report.error_ratio);
-    fmt::print("{}: {}\n", file, valid ? "valid" : "NOT VALID");
-  }
-  if (!valid)
-    throw NegativeResult(
-        describe(file, "", "the hierarchy does not hold what it promises", "build it again from its input"));
+  const bool measured = hierarchy.provenance.measured_errors;
+  write_result(common, to_json(report, file, measured));
+  if (common.prints()) print_report(report, file, measured);
+  require_valid(report, file);
 }
 
 OptionTable declare(VerifyOptions& o) {

@@ -51,5 +51,6 @@ void add_job(CommandTable& commands, MpiTransport& transport, CommandInfo info, 
 
 void add_build_job(CommandTable& commands, MpiTransport& transport);
 void add_export_job(CommandTable& commands, MpiTransport& transport);
+void add_verify_job(CommandTable& commands, MpiTransport& transport);
 
 }  // namespace lodestone

@@ -18,18 +18,16 @@ std::vector<CellId> all_families(const Hierarchy& tables) {
   return families;
 }
 
-// Those in which the rank's equal part of all bytes has the middle.
-std::vector<CellId> families_of(int rank, int ranks, const CellStream& stream) {
-  const std::vector<CellId> all = all_families(stream.tables());
+// By family: the rank in whose equal part of all bytes its middle is.
+std::vector<std::int32_t> owners_of(const std::vector<CellId>& families, int ranks, const CellStream& stream) {
   std::vector<std::uint64_t> end;
-  for (const CellId family : all) end.push_back((end.empty() ? 0 : end.back()) + stream.family_bytes(family));
-  std::vector<CellId> own;
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  for (const CellId family : families) end.push_back((end.empty() ? 0 : end.back()) + stream.family_bytes(family));
+  std::vector<std::int32_t> owners;
+  for (std::size_t i = 0; i < families.size(); ++i) {
     const double middle = 0.5 * (static_cast<double>(i == 0 ? 0 : end[i - 1]) + static_cast<double>(end[i]));
-    const int owner = static_cast<int>(middle / static_cast<double>(end.back()) * ranks);
-    if (std::min(owner, ranks - 1) == rank) own.push_back(all[i]);
+    owners.push_back(std::min(static_cast<int>(middle / static_cast<double>(end.back()) * ranks), ranks - 1));
   }
-  return own;
+  return owners;
 }
 
 }  // namespace
@@ -39,12 +37,19 @@ RankCells load_rank_cells(const std::filesystem::path& file, int rank, int ranks
   RankCells cells;
   cells.hierarchy = stream.tables();
   Hierarchy& hierarchy = cells.hierarchy;
-  std::vector<CellId> families = families_of(rank, ranks, stream);
-  const std::size_t own = families.size();
-  for (std::size_t i = 0; i < own; ++i) {
-    const FamilyCells range = family_cells(hierarchy, families[i]);
-    for (CellId c = range.begin; c < range.end; ++c) cells.own.push_back(c);
-    if (families[i] != no_cell) families.push_back(hierarchy.cells[families[i]].parent);
+  const std::vector<CellId> all = all_families(hierarchy);
+  const std::vector<std::int32_t> owners = owners_of(all, ranks, stream);
+  cells.owner_of.resize(hierarchy.cells.size());
+  std::vector<CellId> families;  // own ones, and those that have their parents
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const FamilyCells range = family_cells(hierarchy, all[i]);
+    for (CellId c = range.begin; c < range.end; ++c) {
+      cells.owner_of[c] = owners[i];
+      if (owners[i] == rank) cells.own.push_back(c);
+    }
+    if (owners[i] != rank) continue;
+    families.push_back(all[i]);
+    if (all[i] != no_cell) families.push_back(hierarchy.cells[all[i]].parent);
   }
   sort_unique(families);
   cells.memory.resize(families.size());

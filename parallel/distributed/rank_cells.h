@@ -1,6 +1,7 @@
 // The cells of a .lode file dealt out to the ranks of a job, for work on one cell after the other.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -15,7 +16,8 @@ struct RankCells {
   // The tables of all cells; payloads of the rank's own cells and of their parents, the arrays of all others as long as
   // they are, but not to be read.
   Hierarchy hierarchy;
-  std::vector<CellId> own;  // ascending
+  std::vector<CellId> own;             // ascending
+  std::vector<std::int32_t> owner_of;  // by cell: the rank that has it
   std::vector<std::unique_ptr<std::byte[]>> memory;
 };
 

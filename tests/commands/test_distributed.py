@@ -136,6 +136,27 @@ class UnderLauncher(DistributedCase):
                 (("missing.lode",), USAGE, ["--tiles"]), (("missing.lode", "--tiles", ""), USAGE, ["--tiles"])):
             self.assert_refused(self.job(3, *arguments, subcommand="export"), status, *words)
 
+    def test_verify_says_what_one_process_says(self):
+        lode = model("for-ranks.lode", "build", surface(), "--cell-triangles", 300)
+        expected = self.folder / "one.json"
+        command_case.call("verify", lode, "--json", expected)
+        done = self.job(3, lode, "--threads", 1, "--json", "ranks.json", subcommand="verify")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("holds identity", done.stdout)
+        self.assertIn(f"{lode}: valid", done.stdout)
+        one, ranks = (json.loads((self.folder / name).read_text()) for name in ("one.json", "ranks.json"))
+        self.assertEqual({key: ranks[key] for key in one}, one)
+        self.assertEqual([rank["rank"] for rank in ranks["ranks"]], [0, 1, 2])
+        self.assertTrue(all(rank["cells"] > 0 and rank["bytes_sent"] > 0 for rank in ranks["ranks"]))
+
+    def test_verify_refuses_in_one_line(self):
+        textured = model("textured.lode", "build", command_case.TEXTURED, "--cell-triangles", 100)
+        for arguments, status, words in (
+                (("missing.lode",), FILE, ["rank ", "missing.lode: cannot open"]),
+                ((textured,), UNSUPPORTED, ["rank ", "textured.lode: has texture coordinates", "verify it with lodestone"]),
+                ((), USAGE, ["FILE"])):
+            self.assert_refused(self.job(3, *arguments, subcommand="verify"), status, *words)
+
     def plan(self, *arguments):
         return subprocess.run([os.environ["LODESTONE_MPI"], "plan", *map(str, arguments)], cwd=self.folder,
                               capture_output=True, timeout=60, text=True, env=ENVIRONMENT, check=False)

@@ -1,16 +1,23 @@
 #include "core/hierarchy/verify/verify.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/hierarchy/model/structure.h"
 #include "core/hierarchy/verify/verify_checks.h"
+#include "core/hierarchy/verify/verify_copies.h"
+#include "core/hierarchy/verify/verify_peers.h"
+#include "core/hierarchy/verify/verify_wedges.h"
 
 namespace lodestone {
 namespace verify {
 
-VerifyCheck Finding::check() const {
-  if (failures_ == 0) return {name_, true, std::to_string(examined_) + " examined"};
-  return {name_, false, first_ + " (" + std::to_string(failures_) + " failures)"};
+VerifyCheck Finding::check(const Part& part) const {
+  const std::uint64_t examined = part.sum(examined_), failures = part.sum(failures_);
+  const std::vector<std::vector<char>> first = part.share(std::vector<char>(first_.begin(), first_.end()));
+  if (failures == 0) return {name_, true, std::to_string(examined) + " examined"};
+  const auto said = std::find_if(first.begin(), first.end(), [](const auto& text) { return !text.empty(); });
+  return {name_, false, std::string(said->begin(), said->end()) + " (" + std::to_string(failures) + " failures)"};
 }
 
 std::string place(int level, CellId cell) {
@@ -28,21 +35,24 @@ bool is_tight_bound(float stored, double exact) {
 
 namespace {
 
-bool check_structure(const Hierarchy& hierarchy, Finding& structure) {
+bool check_structure(const Part& part, Finding& structure) {
+  const Hierarchy& hierarchy = part.hierarchy;
   const std::string fault = table_fault(hierarchy);
-  structure.require(fault.empty(), [&] { return fault; });
   bool sound = fault.empty();
+  if (part.has_tables()) structure.require(sound, [&] { return fault; });
   for (int l = 0; sound && l <= hierarchy.finest(); ++l) {
-    const std::uint64_t vertices = hierarchy.levels[static_cast<std::size_t>(l)].vertices;
-    structure.require(vertices < 0xffff'ffffu, [&] { return "more than 2^32 vertices on level " + std::to_string(l); });
-    sound = sound && vertices < 0xffff'ffffu;
+    sound = part.level(l).vertices < 0xffff'ffffu;
+    if (part.has_tables())
+      structure.require(sound, [&] { return "more than 2^32 vertices on level " + std::to_string(l); });
   }
-  for (CellId c{0}; sound && c < hierarchy.cells.size(); ++c) {
-    const char* wrong = payload_fault(hierarchy, c);
-    structure.require(!wrong, [&] { return place(hierarchy.level_of(c), c) + ": " + wrong; });
-    sound = sound && !wrong;
-  }
-  return sound;
+  if (!sound) return false;  // at all peers
+  for (int l = 0; l <= hierarchy.finest(); ++l)
+    part.for_cells(l, [&](CellId c) {
+      const char* wrong = payload_fault(hierarchy, c);
+      structure.require(!wrong, [&] { return place(l, c) + ": " + wrong; });
+      sound = sound && !wrong;
+    });
+  return part.sum(sound ? 0 : 1) == 0;
 }
 
 // Counts the steps of a run: the cells, the identities of each level, shapes, errors, and the rest.
@@ -59,6 +69,90 @@ class Steps {
   const VerifyProgress& progress_;
 };
 
+// A process that has all.
+class Alone final : public VerifyPeers {
+ public:
+  [[nodiscard]] std::size_t count() const override { return 1; }
+  [[nodiscard]] std::size_t index() const override { return 0; }
+  [[nodiscard]] std::size_t owner(CellId) const override { return 0; }
+  [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes>&& out) override { return std::move(out); }
+};
+
+// The findings in the order of the report.
+struct Findings {
+  Finding structure{"structure"}, cells{"cells"}, partition{"partition"}, identity{"identity"}, parents{"parents"},
+      vertices{"vertices"}, triangles{"triangles"}, displacement{"displacement"}, lattice{"lattice"}, edges{"edges"},
+      boxes{"boxes"}, reach{"reach"}, errors{"errors"}, fingerprint{"fingerprint"}, signatures{"signatures"},
+      wedges{"wedges"}, textures{"textures"}, input{"input"};
+
+  [[nodiscard]] std::vector<Finding*> of(const Hierarchy& hierarchy, bool with_input) {
+    std::vector<Finding*> list{&structure,    &cells,   &partition, &identity, &parents, &vertices, &triangles,
+                               &displacement, &lattice, &edges,     &boxes,    &reach,   &errors,   &fingerprint};
+    if (hierarchy.signatures) list.push_back(&signatures);
+    if (hierarchy.attributes.wedges) list.push_back(&wedges);
+    if (!hierarchy.texture_copies.empty()) list.push_back(&textures);
+    if (with_input) list.push_back(&input);
+    return list;
+  }
+};
+
+// Identities and P, from the finest level to the root.
+void check_levels(const Part& part, Findings& findings, Steps& steps) {
+  const Hierarchy& hierarchy = part.hierarchy;
+  const int finest = hierarchy.finest();
+  std::vector<VertexCopy> fine = copies_of(part, finest);
+  check_copies(part, finest, fine, findings.identity);
+  std::optional<LevelWedges> wedges;
+  if (hierarchy.attributes.wedges) {
+    wedges = finest_wedges(hierarchy, fine);
+  } else {
+    check_positions_distinct(part, fine, findings.identity);
+  }
+  check_fingerprint(part, count_vertices(part, finest, fine), findings.fingerprint);
+  for (int level = finest; level > 0; --level) {
+    std::vector<VertexCopy> coarse = copies_of(part, level - 1);
+    check_copies(part, level - 1, coarse, findings.identity);
+    check_ids_kept(fine, coarse, findings.identity);
+    check_parent_function(level, fine, findings.parents);
+    if (wedges) wedges = coarser_wedges(hierarchy, level, *wedges, coarse, findings.wedges);
+    check_images(part, level - 1, wedges ? &*wedges : nullptr, findings.vertices, findings.triangles);
+    fine = std::move(coarse);
+    steps.next();
+  }
+}
+
+VerifyReport verify_part(const Part& part, const IndexedMesh* input, const VerifyProgress& progress) {
+  const Hierarchy& hierarchy = part.hierarchy;
+  VerifyReport report;
+  Findings findings;
+  Steps steps(4 + static_cast<std::size_t>(hierarchy.finest()), progress);
+  if (check_structure(part, findings.structure)) {
+    check_cells(part, findings.cells);
+    check_partition(part, findings.partition);
+    steps.next();
+    check_levels(part, findings, steps);
+    check_displacements(part, findings.displacement);
+    check_lattice(part, findings.lattice);
+    check_edges(part, findings.edges);
+    check_boxes(part, findings.boxes);
+    check_reach(part, findings.reach);
+    steps.next();
+    report.error_ratio = check_errors(part, findings.errors);
+    steps.next();
+    if (hierarchy.attributes.wedges) check_wedges(hierarchy, findings.wedges);
+    if (hierarchy.signatures) check_signatures(part, findings.signatures);
+    if (part.has_tables()) check_textures(hierarchy, findings.textures);
+    if (input) check_input(hierarchy, *input, findings.input);
+    steps.next();
+  } else if (part.has_tables()) {
+    for (Finding* finding : findings.of(hierarchy, input))
+      if (finding != &findings.structure)
+        finding->fail([] { return std::string("not examined, since the structure is broken"); });
+  }
+  for (const Finding* finding : findings.of(hierarchy, input)) report.checks.push_back(finding->check(part));
+  return report;
+}
+
 }  // namespace
 }  // namespace verify
 
@@ -72,64 +166,12 @@ const VerifyCheck* VerifyReport::find(const std::string& name) const {
 }
 
 VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input, const VerifyProgress& progress) {
-  using namespace verify;
-  Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
-      vertices("vertices"), triangles("triangles"), displacement("displacement"), lattice("lattice"), edges("edges"),
-      boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"),
-      textures("textures"), signatures("signatures"), same("input");
-  const bool has_wedges = hierarchy.attributes.wedges;
-  VerifyReport report;
-  Steps steps(4 + static_cast<std::size_t>(hierarchy.finest()), progress);
+  verify::Alone alone;
+  return verify::verify_part(verify::Part(hierarchy, alone), input, progress);
+}
 
-  if (check_structure(hierarchy, structure)) {
-    check_cells(hierarchy, cells);
-    check_partition(hierarchy, partition);
-    steps.next();
-    LevelIdentity fine = identify(hierarchy, hierarchy.finest());
-    check_copies(hierarchy, hierarchy.finest(), fine, identity);
-    if (has_wedges) {
-      group_by_position(hierarchy, fine);
-    } else {
-      check_positions_distinct(hierarchy, fine, identity);
-    }
-    check_fingerprint(hierarchy, fine, fingerprint);
-    for (int level = hierarchy.finest(); level > 0; --level) {
-      LevelIdentity coarse = identify(hierarchy, level - 1);
-      check_copies(hierarchy, level - 1, coarse, identity);
-      check_ids_kept(hierarchy, fine, coarse, identity);
-      check_parent_function(hierarchy, level, fine, coarse, parents);
-      if (has_wedges) group_by_parents(hierarchy, level, fine, coarse, wedges);
-      check_images(hierarchy, level - 1, coarse, vertices, triangles);
-      fine = std::move(coarse);
-      steps.next();
-    }
-    check_displacements(hierarchy, displacement);
-    check_lattice(hierarchy, lattice);
-    check_edges(hierarchy, edges);
-    check_boxes(hierarchy, boxes);
-    check_reach(hierarchy, reach);
-    steps.next();
-    report.error_ratio = check_errors(hierarchy, errors);
-    steps.next();
-    if (has_wedges) check_wedges(hierarchy, wedges);
-    if (hierarchy.signatures) check_signatures(hierarchy, signatures);
-    check_textures(hierarchy, textures);
-    if (input) check_input(hierarchy, *input, same);
-    steps.next();
-  } else {
-    for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
-                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &signatures, &textures, &same})
-      finding->fail([] { return std::string("not examined, since the structure is broken"); });
-  }
-
-  for (const Finding* finding : {&structure, &cells, &partition, &identity, &parents, &vertices, &triangles,
-                                 &displacement, &lattice, &edges, &boxes, &reach, &errors, &fingerprint})
-    report.checks.push_back(finding->check());
-  if (hierarchy.signatures) report.checks.push_back(signatures.check());
-  if (has_wedges) report.checks.push_back(wedges.check());
-  if (!hierarchy.texture_copies.empty()) report.checks.push_back(textures.check());
-  if (input) report.checks.push_back(same.check());
-  return report;
+VerifyReport verify_by_peers(const Hierarchy& hierarchy, VerifyPeers& peers, const VerifyProgress& progress) {
+  return verify::verify_part(verify::Part(hierarchy, peers), nullptr, progress);
 }
 
 }  // namespace lodestone

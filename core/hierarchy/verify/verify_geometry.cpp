@@ -16,18 +16,26 @@ struct LevelEdges {
   std::uint64_t surely_long = 0, perhaps_long = 0;  // perhaps_long includes surely_long
 };
 
-LevelEdges edges_of(const Hierarchy& hierarchy, int level) {
-  LevelEdges result;
-  const double limit = double{hierarchy.sigma0} * hierarchy.cell_size(level);
-  for (const Cell& cell : hierarchy.cells_of(level))
-    for (const Triangle& t : cell.triangles)
-      for (std::size_t e = 0; e < 3; ++e) {
-        const double edge = distance(cell.positions[t.v[e]], cell.positions[t.v[(e + 1) % 3]]);
-        result.longest = std::max(result.longest, edge);
-        result.surely_long += edge > limit * (1 + edge_slack);
-        result.perhaps_long += edge > limit * (1 - edge_slack);
-      }
-  return result;
+// By level, of all peers.
+std::vector<LevelEdges> edges_of(const Part& part) {
+  std::vector<LevelEdges> found;
+  for (int l = 0; l <= part.hierarchy.finest(); ++l) {
+    LevelEdges& level = found.emplace_back();
+    const double limit = double{part.hierarchy.sigma0} * part.hierarchy.cell_size(l);
+    part.for_cells(l, [&](CellId c) {
+      const Cell& cell = part.hierarchy.cells[c];
+      for (const Triangle& t : cell.triangles)
+        for (std::size_t e = 0; e < 3; ++e) {
+          const double edge = distance(cell.positions[t.v[e]], cell.positions[t.v[(e + 1) % 3]]);
+          level.longest = std::max(level.longest, edge);
+          level.surely_long += edge > limit * (1 + edge_slack);
+          level.perhaps_long += edge > limit * (1 - edge_slack);
+        }
+    });
+  }
+  return part.reduce(found, [](const LevelEdges& a, const LevelEdges& b) {
+    return LevelEdges{std::max(a.longest, b.longest), a.surely_long + b.surely_long, a.perhaps_long + b.perhaps_long};
+  });
 }
 
 Vec3d to_farthest_corner(Vec3f p, const Box3f& box) {
@@ -44,12 +52,13 @@ void check_bound(Finding& finding, const char* what, int level, float stored, do
   });
 }
 
-void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
-  displacement.require(hierarchy.cells[0].max_displacement == 0, [] { return "the root cell has a displacement"; });
+void check_displacements(const Part& part, Finding& displacement) {
+  const Hierarchy& hierarchy = part.hierarchy;
+  if (part.has_tables())
+    displacement.require(hierarchy.cells[0].max_displacement == 0, [] { return "the root cell has a displacement"; });
   for (int l = 1; l <= hierarchy.finest(); ++l) {
     const double h = hierarchy.cell_size(l), limit = double{hierarchy.sigma0} * h / 2;
-    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+    part.for_cells(l, [&](CellId c) {
       const Cell& cell = hierarchy.cells[c];
       const auto& above = hierarchy.cells[cell.parent].positions;
       double largest = 0;
@@ -65,27 +74,33 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
         return place(l, c) + ": largest displacement " + std::to_string(cell.max_displacement) + " stored, " +
                std::to_string(largest) + " recomputed";
       });
-    }
+    });
   }
 }
 
-void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
+void check_lattice(const Part& part, Finding& lattice) {
+  const Hierarchy& hierarchy = part.hierarchy;
   if (!hierarchy.transform.lattice) return;
-  for (CellId c{0}; c < hierarchy.cells.size(); ++c)
-    for (VertexId v{0}; v < hierarchy.cells[c].positions.size(); ++v)
-      lattice.require(hierarchy.transform.lattice.holds(hierarchy.cells[c].positions[v]),
-                      [&] { return place(hierarchy.level_of(c), c, v) + ": not on the lattice"; });
+  for (int l = 0; l <= hierarchy.finest(); ++l)
+    part.for_cells(l, [&](CellId c) {
+      for (VertexId v{0}; v < hierarchy.cells[c].positions.size(); ++v)
+        lattice.require(hierarchy.transform.lattice.holds(hierarchy.cells[c].positions[v]),
+                        [&] { return place(l, c, v) + ": not on the lattice"; });
+    });
 }
 
 // The image of an edge of at most sigma0 h_l has at most 2 sigma0 h_l: where that is sigma0 h_{l-1}, long edges of a
 // coarse level come from long edges of the finer one.
-void check_edges(const Hierarchy& hierarchy, Finding& edges) {
+void check_edges(const Part& part, Finding& edges) {
+  const Hierarchy& hierarchy = part.hierarchy;
+  const std::vector<LevelEdges> by_level = edges_of(part);
+  if (!part.has_tables()) return;
   bool all_short = true;
-  edges.require(!hierarchy.provenance.refined || edges_of(hierarchy, hierarchy.finest()).surely_long == 0,
+  edges.require(!hierarchy.provenance.refined || by_level.back().surely_long == 0,
                 [] { return "an edge of the finest level is longer than sigma0 h, although such edges were split"; });
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    const LevelEdges found = edges_of(hierarchy, l);
+    const LevelEdges& found = by_level[static_cast<std::size_t>(l)];
     check_bound(edges, "longest edge", l, level.max_edge, found.longest / hierarchy.cell_size(l));
     edges.require(level.long_edges >= found.surely_long && level.long_edges <= found.perhaps_long, [&] {
       return "level " + std::to_string(l) + ": " + std::to_string(level.long_edges) + " long half-edges stored, " +
@@ -100,30 +115,34 @@ void check_edges(const Hierarchy& hierarchy, Finding& edges) {
   }
 }
 
-void check_boxes(const Hierarchy& hierarchy, Finding& boxes) {
-  for (CellId c{0}; c < hierarchy.cells.size(); ++c) {
-    const Cell& cell = hierarchy.cells[c];
-    Box3f box;
-    for (const Vec3f p : cell.positions) box.extend(p);
-    for (CellId k = cell.first_child; k < cell.end_child(); ++k) box.extend(hierarchy.cells[k].bounds);
-    boxes.require(box == cell.bounds, [&] {
-      return place(hierarchy.level_of(c), c) + ": not the box of its vertices and of its children's boxes";
+void check_boxes(const Part& part, Finding& boxes) {
+  for (int l = 0; l <= part.hierarchy.finest(); ++l)
+    part.for_cells(l, [&](CellId c) {
+      const Cell& cell = part.hierarchy.cells[c];
+      Box3f box;
+      for (const Vec3f p : cell.positions) box.extend(p);
+      for (CellId k = cell.first_child; k < cell.end_child(); ++k) box.extend(part.hierarchy.cells[k].bounds);
+      boxes.require(box == cell.bounds,
+                    [&] { return place(l, c) + ": not the box of its vertices and of its children's boxes"; });
     });
-  }
 }
 
-void check_reach(const Hierarchy& hierarchy, Finding& reach) {
+void check_reach(const Part& part, Finding& reach) {
+  const Hierarchy& hierarchy = part.hierarchy;
   for (int l = 0; l <= hierarchy.finest(); ++l) {
     double euclidean = 0, chebyshev = 0, diameter = 0;
-    for (const Cell& cell : hierarchy.cells_of(l)) {
+    part.for_cells(l, [&](CellId c) {
+      const Cell& cell = hierarchy.cells[c];
       diameter = std::max(diameter, distance(cell.bounds.lo, cell.bounds.hi));
       for (const Vec3f p : cell.positions) {
         const Vec3d far = to_farthest_corner(p, cell.bounds);
         euclidean = std::max(euclidean, length(far));
         chebyshev = std::max({chebyshev, far.x, far.y, far.z});
       }
-    }
-    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    });
+    euclidean = part.maximum(euclidean), chebyshev = part.maximum(chebyshev), diameter = part.maximum(diameter);
+    if (!part.has_tables()) continue;
+    const Level& level = part.level(l);
     const double h = hierarchy.cell_size(l);
     check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], euclidean / h);
     check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], chebyshev / h);

@@ -1,9 +1,8 @@
-// Checks of the finest level: its cells, its partition, and its equality with the input.
+// The triangles of the finest level against those of the input.
 #include <algorithm>
 #include <numeric>
 
 #include "core/base/sort_unique.h"
-#include "core/hierarchy/model/fingerprint.h"
 #include "core/hierarchy/verify/verify_checks.h"
 #include "core/mesh/refine.h"
 
@@ -174,55 +173,6 @@ void compare(const Given& given, std::uint64_t given_count, const FinestTriangle
 }
 
 }  // namespace
-
-// Every coarse cell has children (check_structure), so that the finest cells are enough.
-void check_cells(const Hierarchy& hierarchy, Finding& cells) {
-  const Level& finest = hierarchy.levels.back();
-  for (CellId c = finest.first_cell; c < finest.end_cell(); ++c)
-    cells.require(!hierarchy.cells[c].triangles.empty(),
-                  [&] { return place(hierarchy.finest(), c) + ": exists without a triangle of the finest level"; });
-}
-
-void check_partition(const Hierarchy& hierarchy, Finding& partition) {
-  const int l = hierarchy.finest();
-  std::vector<char> used;
-  const Level& finest = hierarchy.levels.back();
-  for (CellId c = finest.first_cell; c < finest.end_cell(); ++c) {
-    const Cell& cell = hierarchy.cells[c];
-    used.assign(cell.positions.size(), 0);
-    for (const Triangle& t : cell.triangles) {
-      for (const std::uint32_t v : t.v) used[v] = 1;
-      const Vec3f centre = barycentre(cell.positions[t.v[0]], cell.positions[t.v[1]], cell.positions[t.v[2]]);
-      partition.require(CellCode::from(cell_of(centre, hierarchy.grids.of(l))) == cell.code,
-                        [&] { return place(l, c) + ": a triangle has its barycentre in another cell"; });
-    }
-    for (VertexId v{0}; v < cell.positions.size(); ++v) {
-      const Vec3f p = cell.positions[v];
-      partition.require(used[v] != 0, [&] { return place(l, c, v) + ": no triangle uses it"; });
-      partition.require(Box3f{{0, 0, 0}, {1, 1, 1}}.contains(p),
-                        [&] { return place(l, c, v) + ": outside the root cell"; });
-    }
-  }
-}
-
-void check_fingerprint(const Hierarchy& hierarchy, const LevelIdentity& finest, Finding& fingerprint) {
-  const Provenance& input = hierarchy.provenance;
-  const std::uint64_t triangles = hierarchy.levels.back().triangles;
-  std::uint64_t vertices = 0, sum = 0;
-  for (std::uint32_t i = 0; i < finest.identity.size(); ++i) vertices += finest.identity[i] == i;
-  for (const Cell& cell : hierarchy.cells_of(hierarchy.finest()))
-    for (const Triangle& t : cell.triangles)
-      sum += triangle_fingerprint(cell.positions[t.v[0]], cell.positions[t.v[1]], cell.positions[t.v[2]]);
-  fingerprint.require(triangles == input.input_triangles, [&] {
-    return std::to_string(triangles) + " triangles on the finest level, " + std::to_string(input.input_triangles) +
-           " in the input";
-  });
-  fingerprint.require(vertices == input.input_vertices, [&] {
-    return std::to_string(vertices) + " vertices on the finest level, " + std::to_string(input.input_vertices) +
-           " in the input";
-  });
-  fingerprint.require(sum == input.fingerprint, [] { return "the triangles of the finest level are not the input's"; });
-}
 
 void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same) {
   Transform transform = input.transform;

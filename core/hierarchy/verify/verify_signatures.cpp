@@ -16,17 +16,21 @@ struct Copy {
   std::uint32_t signature = 0;
 };
 
-std::vector<Copy> sorted_copies(const Hierarchy& hierarchy, const Level& level) {
-  const Signatures& signatures = *hierarchy.signatures;
+// Those of all positions that meet here.
+std::vector<Copy> sorted_copies(const Part& part, int level) {
+  const Signatures& signatures = *part.hierarchy.signatures;
   std::vector<Copy> copies;
-  for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
-    const Cell& cell = hierarchy.cells[c];
+  part.for_cells(level, [&](CellId c) {
+    const Cell& cell = part.hierarchy.cells[c];
     for (std::size_t k = 0; k < cell.shared_ids.size(); ++k) {
       const Vec3f p = cell.positions[cell.first_shared() + k];
       copies.push_back(
           {{p.x, p.y, p.z}, c, VertexId(cell.first_shared() + k), signatures.of(c)[signatures.places(c)[k]]});
     }
-  }
+  });
+  copies = part.sort_out(std::move(copies), [](const Copy& copy) {
+    return hash_of(Vec3f{copy.position[0], copy.position[1], copy.position[2]});
+  });
   std::sort(copies.begin(), copies.end(), [](const Copy& a, const Copy& b) {
     return std::tie(a.position, a.cell, a.vertex) < std::tie(b.position, b.cell, b.vertex);
   });
@@ -35,9 +39,10 @@ std::vector<Copy> sorted_copies(const Hierarchy& hierarchy, const Level& level) 
 
 }  // namespace
 
-void check_signatures(const Hierarchy& hierarchy, Finding& signatures) {
+void check_signatures(const Part& part, Finding& signatures) {
+  const Hierarchy& hierarchy = part.hierarchy;
   for (int l = 0; l <= hierarchy.finest(); ++l) {
-    const std::vector<Copy> copies = sorted_copies(hierarchy, hierarchy.levels[static_cast<std::size_t>(l)]);
+    const std::vector<Copy> copies = sorted_copies(part, l);
     for (auto first = copies.begin(); first != copies.end();) {
       const auto last = std::find_if(first, copies.end(), [&](const Copy& c) { return c.position != first->position; });
       const auto where = [&] { return place(l, first->cell, first->vertex); };

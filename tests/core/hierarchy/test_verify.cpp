@@ -2,13 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <barrier>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
+#include <string_view>
+#include <thread>
 #include <utility>
 
 #include "core/hierarchy/model/find_signatures.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
+#include "core/hierarchy/verify/verify_peers.h"
 #include "core/spatial/mesh_distance.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 
@@ -100,6 +105,66 @@ Cell& most_moved_cell(NaiveHierarchy& t) {
 std::size_t own_vertex(const NaivePayload& cell) {
   EXPECT_GT(first_shared(cell), 0u);
   return 0;
+}
+
+// Peers that are threads, each with the families that its number says.
+class ThreadPeer final : public VerifyPeers {
+ public:
+  struct Post {
+    explicit Post(std::size_t peers) : boxes(peers, std::vector<Bytes>(peers)), arrived(static_cast<long>(peers)) {}
+    std::vector<std::vector<Bytes>> boxes;  // by sender, then by receiver
+    std::barrier<> arrived;
+  };
+  ThreadPeer(const Hierarchy& hierarchy, Post& post, std::size_t index)
+      : hierarchy_(hierarchy), post_(post), index_(index) {}
+  [[nodiscard]] std::size_t count() const override { return post_.boxes.size(); }
+  [[nodiscard]] std::size_t index() const override { return index_; }
+  [[nodiscard]] std::size_t owner(CellId cell) const override {
+    return (hierarchy_.cells[cell].parent * 7u + 1) % count();
+  }
+  [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes>&& out) override {
+    post_.boxes[index_] = std::move(out);
+    post_.arrived.arrive_and_wait();
+    std::vector<Bytes> in;
+    for (const std::vector<Bytes>& sent : post_.boxes) in.push_back(sent.at(index_));
+    post_.arrived.arrive_and_wait();
+    return in;
+  }
+
+ private:
+  const Hierarchy& hierarchy_;
+  Post& post_;
+  std::size_t index_;
+};
+
+// The report of each peer.
+std::vector<VerifyReport> reports_of_peers(const Hierarchy& hierarchy, std::size_t count) {
+  ThreadPeer::Post post(count);
+  std::vector<VerifyReport> reports(count);
+  std::vector<std::jthread> threads;
+  for (std::size_t i = 0; i < count; ++i)
+    threads.emplace_back([&, i] {
+      ThreadPeer peer(hierarchy, post, i);
+      reports[i] = verify_by_peers(hierarchy, peer);
+    });
+  threads.clear();
+  return reports;
+}
+
+// Peers find what one process finds; which of several failures they name is another matter.
+void expect_same_by_peers(const Hierarchy& hierarchy, std::initializer_list<std::size_t> counts,
+                          const std::string& what) {
+  const VerifyReport alone = verify_hierarchy(hierarchy);
+  const auto numbers = [](const VerifyCheck& check) {
+    return check.name + (check.passed ? " " + check.detail : check.detail.substr(check.detail.rfind(" (")));
+  };
+  for (const std::size_t count : counts)
+    for (const VerifyReport& report : reports_of_peers(hierarchy, count)) {
+      ASSERT_EQ(report.checks.size(), alone.checks.size()) << what;
+      for (std::size_t i = 0; i < alone.checks.size(); ++i)
+        EXPECT_EQ(numbers(report.checks[i]), numbers(alone.checks[i])) << what << ", " << count << " peers";
+      EXPECT_EQ(report.error_ratio, alone.error_ratio) << what << ", " << count << " peers";
+    }
 }
 
 struct Breakage {
@@ -276,6 +341,25 @@ TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
     EXPECT_FALSE(check->passed) << breakage.check << ", " << breakage.what << "\n" << failures_of(report);
     EXPECT_FALSE(check->detail.empty());
     EXPECT_FALSE(report.valid());
+    if (breakage.check != std::string_view("input")) expect_same_by_peers(broken.hierarchy, {3}, breakage.what);
+  }
+}
+
+TEST(Verify, IsTheSameByAnyNumberOfPeers) {
+  for (const int levels : {0, 1, 3}) {
+    NaiveHierarchy model = test::naive_hierarchy(test::on_lattice(test::bumpy_sphere(4, true), {14}), levels, 0.2f);
+    model.attach();
+    Hierarchy& h = model.hierarchy;
+    expect_same_by_peers(h, {1, 2, 5}, std::to_string(levels) + " levels");
+    h.signatures = std::make_shared<const Signatures>(find_signatures(h));
+    expect_same_by_peers(h, {1, 2, 5}, std::to_string(levels) + " levels with signatures");
+    Signatures::Table table = h.signatures->table();
+    std::ranges::rotate(table.places, table.places.begin() + static_cast<std::ptrdiff_t>(table.places.size() / 2));
+    for (float& error : table.errors) error /= 2;
+    if (Signatures::fault(h, table)) continue;
+    h.signatures = std::make_shared<const Signatures>(h, std::move(table));
+    EXPECT_EQ(verify_hierarchy(h).valid(), levels == 0);
+    expect_same_by_peers(h, {1, 2, 5}, std::to_string(levels) + " levels with wrong signatures");
   }
 }
 

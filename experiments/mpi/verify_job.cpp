@@ -1,0 +1,92 @@
+// lodestone-mpi verify: the invariants of a .lode file by all processes of an MPI job (docs/cluster.md).
+#include <vector>
+
+#include "core/base/error.h"
+#include "experiments/command_line/progress.h"
+#include "experiments/commands/input.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/mpi/job.h"
+#include "experiments/subjects/verify.h"
+#include "parallel/distributed/rank_verify.h"
+#include "render/lod/verify_radii.h"
+
+namespace lodestone {
+namespace {
+
+struct VerifyJobOptions {
+  std::string file;
+  double timeout = 600;
+};
+
+struct RankFigures {
+  std::uint64_t cells = 0, bytes_sent = 0, peak_bytes = 0;
+  double cpu_seconds = 0, waited_seconds = 0;
+};
+
+// Rank 0 checks what follows from the tables, the radii.
+VerifyReport verify_all(const RankCells& cells, Ranks& ranks, const VerifyProgress& progress) {
+  VerifyReport report = verify_ranks(cells, ranks, progress);
+  if (ranks.rank() == 0 && report.find("structure")->passed) report.checks.push_back(verify_radii(cells.hierarchy));
+  return report;
+}
+
+void require_verifiable(const Hierarchy& hierarchy, const std::string& file) {
+  if (hierarchy.attributes.wedges || !hierarchy.signatures)
+    throw UnsupportedError(describe(
+        file, "", hierarchy.attributes.wedges ? "has texture coordinates, colours or materials" : "has no signatures",
+        "verify it with lodestone, in one process"));
+}
+
+void run(const VerifyJobOptions& options, const CommonOptions& common, Transport& transport) {
+  const bool is_first = transport.rank() == 0;
+  if (is_first) check_files(common, {{"FILE", options.file}});
+  Ranks ranks(transport);
+  const CpuClock clock;
+  const auto scheduler = make_scheduler(common);
+  Progress progress("reading", common.quiet || !is_first);
+  progress.phase("reading");
+  const RankCells cells = load_rank_cells(options.file, ranks.rank(), ranks.count(), *scheduler);
+  require_verifiable(cells.hierarchy, options.file);
+  progress.phase("verifying");
+  const VerifyReport report = verify_all(cells, ranks, [&](double share) { progress.update(share); });
+  progress.clear();
+  const std::vector<RankFigures> figures =
+      ranks.gather(RankFigures{cells.own.size(), ranks.traffic().bytes_sent, peak_resident_bytes(),
+                               clock.elapsed().cpu_seconds, ranks.traffic().waited_seconds});
+  const std::vector<std::string> hosts = hosts_of(ranks);
+  if (!is_first) return;
+
+  const bool measured = cells.hierarchy.provenance.measured_errors;
+  Json per_rank = Json::array();
+  for (std::size_t r = 0; r < figures.size(); ++r)
+    per_rank.push_back({{"rank", r},
+                        {"host", hosts[r]},
+                        {"cells", figures[r].cells},
+                        {"bytes_sent", figures[r].bytes_sent},
+                        {"waited_seconds", figures[r].waited_seconds},
+                        {"cpu_seconds", figures[r].cpu_seconds},
+                        {"peak_bytes", figures[r].peak_bytes}});
+  Json json = to_json(report, options.file, measured);
+  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", per_rank}});
+  write_result(common, json);
+  if (common.prints()) print_report(report, options.file, measured);
+  require_valid(report, options.file);
+}
+
+OptionTable declare(VerifyJobOptions& o) {
+  return {
+      OptionSpec{"FILE", &o.file, "Hierarchy (.lode), without attributes, on a disk that all machines share"}.must(),
+      timeout_option(o.timeout)};
+}
+
+}  // namespace
+
+void add_verify_job(CommandTable& commands, MpiTransport& transport) {
+  add_job<VerifyJobOptions>(
+      commands, transport,
+      {"verify", "Check every invariant of a hierarchy by all processes of an MPI job, as lodestone verify",
+       "  mpirun -n 8 lodestone-mpi verify statue.lode --json verify.json\n"},
+      {declare, nullptr, run});
+}
+
+}  // namespace lodestone
