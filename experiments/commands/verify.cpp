@@ -49,7 +49,8 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   std::optional<IndexedMesh> mesh;
   if (!meshes.empty()) mesh = read_input(meshes, reading, *scheduler, hierarchy.transform.lattice);
   progress.phase("verifying");
-  const VerifyReport report = verify_with_radii(hierarchy, mesh ? &*mesh : nullptr);
+  const VerifyReport report =
+      verify_with_radii(hierarchy, *scheduler, mesh ? &*mesh : nullptr, [&](double share) { progress.update(share); });
   progress.clear();
   const bool measured = hierarchy.provenance.measured_errors;
   write_result(common, to_json(report, file, measured));

@@ -119,7 +119,7 @@ class BuildRounds {
   void add_accuracy(Row& row) const {
     add_level(row);
     check_cancelled(study_.context);
-    add_verification(row, result_.hierarchy, &mesh_);
+    add_verification(row, result_.hierarchy, *study_.scheduler, &mesh_);
     check_cancelled(study_.context);
     BuildConfig twin = config_;
     twin.strategy = Strategy::serial;

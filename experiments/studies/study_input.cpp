@@ -152,8 +152,8 @@ std::vector<ColumnInfo> verify_columns() {
           {"failed_checks", "", "names of the properties that it does not have", label}};
 }
 
-void add_verification(Row& row, const Hierarchy& hierarchy, const IndexedMesh* input) {
-  const VerifyReport report = verify_with_radii(hierarchy, input);
+void add_verification(Row& row, const Hierarchy& hierarchy, const Scheduler& scheduler, const IndexedMesh* input) {
+  const VerifyReport report = verify_with_radii(hierarchy, scheduler, input);
   std::string failed;
   for (const VerifyCheck& check : report.checks)
     if (!check.passed) failed += (failed.empty() ? "" : ", ") + check.name;

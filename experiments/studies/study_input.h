@@ -69,7 +69,8 @@ void check_geometry(RowVerdict& verdict);
 // `valid` and `failed_checks`: whether a hierarchy has every property that verify checks, compared with its input
 // where that is given.
 [[nodiscard]] std::vector<ColumnInfo> verify_columns();
-void add_verification(Row& row, const Hierarchy& hierarchy, const IndexedMesh* input = nullptr);
+void add_verification(Row& row, const Hierarchy& hierarchy, const Scheduler& scheduler,
+                      const IndexedMesh* input = nullptr);
 void check_verification(RowVerdict& verdict);
 
 }  // namespace lodestone

@@ -53,7 +53,7 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   }
   if (context.repetition > 0) return {row};
   check_cancelled(context);
-  add_verification(row, load_lode(file.path(), *scheduler));
+  add_verification(row, load_lode(file.path(), *scheduler), *scheduler);
   return {row};
 }
 

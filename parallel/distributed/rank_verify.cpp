@@ -31,7 +31,7 @@ VerifyReport verify_ranks(const RankCells& cells, Ranks& ranks, const VerifyProg
   if (cells.hierarchy.attributes.wedges)
     throw UnsupportedError("several ranks do not verify a hierarchy with texture coordinates, colours or materials");
   RankPeers peers(cells, ranks);
-  return verify_by_peers(cells.hierarchy, peers, progress);
+  return verify_by_peers(cells.hierarchy, peers, nullptr, progress);
 }
 
 }  // namespace lodestone

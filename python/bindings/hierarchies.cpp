@@ -105,7 +105,7 @@ py::object verify(const ModelPtr& model, const py::kwargs& given) {
       mesh = prepare_mesh(take_mesh(*source, call), repairs, call.scheduler(), source->path.string(),
                           model->hierarchy.transform.lattice);
     call.report("verifying", 0);
-    return verify_with_radii(model->hierarchy, mesh ? &*mesh : nullptr,
+    return verify_with_radii(model->hierarchy, call.scheduler(), mesh ? &*mesh : nullptr,
                              [&](double share) { call.report_or_stop("verifying", share); });
   });
   return to_python_report(report);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/hierarchy/model/find_signatures.h"
+#include "parallel/hierarchy/verify_threads.h"
 
 namespace lodestone {
 namespace {
@@ -96,8 +97,9 @@ VerifyCheck verify_radii(const Hierarchy& hierarchy) {
   return check.result();
 }
 
-VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input, const VerifyProgress& progress) {
-  VerifyReport report = verify_hierarchy(hierarchy, input, progress);
+VerifyReport verify_with_radii(const Hierarchy& hierarchy, const Scheduler& scheduler, const IndexedMesh* input,
+                               const VerifyProgress& progress) {
+  VerifyReport report = verify_hierarchy(hierarchy, scheduler, input, progress);
   if (report.find("structure")->passed) report.checks.push_back(verify_radii(hierarchy));
   return report;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/hierarchy/verify/verify.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -13,8 +14,8 @@ namespace lodestone {
 // The same for tolerances of 0.1 to 64 pixels and both metrics. O(signatures) for each of them.
 [[nodiscard]] VerifyCheck verify_radii(const Hierarchy& hierarchy);
 
-// verify_hierarchy, and after its checks `radii`, if `structure` holds. `progress` is that of verify_hierarchy.
-[[nodiscard]] VerifyReport verify_with_radii(const Hierarchy& hierarchy, const IndexedMesh* input = nullptr,
-                                             const VerifyProgress& progress = {});
+// verify_hierarchy by the scheduler's number of threads, and after its checks `radii`, if `structure` holds.
+[[nodiscard]] VerifyReport verify_with_radii(const Hierarchy& hierarchy, const Scheduler& scheduler,
+                                             const IndexedMesh* input = nullptr, const VerifyProgress& progress = {});
 
 }  // namespace lodestone

@@ -142,7 +142,7 @@ VerifyReport verify_part(const Part& part, const IndexedMesh* input, const Verif
     if (hierarchy.attributes.wedges) check_wedges(hierarchy, findings.wedges);
     if (hierarchy.signatures) check_signatures(part, findings.signatures);
     if (part.has_tables()) check_textures(hierarchy, findings.textures);
-    if (input) check_input(hierarchy, *input, findings.input);
+    if (input) check_input(part, *input, findings.input);
     steps.next();
   } else if (part.has_tables()) {
     for (Finding* finding : findings.of(hierarchy, input))
@@ -170,8 +170,9 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
   return verify::verify_part(verify::Part(hierarchy, alone), input, progress);
 }
 
-VerifyReport verify_by_peers(const Hierarchy& hierarchy, VerifyPeers& peers, const VerifyProgress& progress) {
-  return verify::verify_part(verify::Part(hierarchy, peers), nullptr, progress);
+VerifyReport verify_by_peers(const Hierarchy& hierarchy, VerifyPeers& peers, const IndexedMesh* input,
+                             const VerifyProgress& progress) {
+  return verify::verify_part(verify::Part(hierarchy, peers), input, progress);
 }
 
 }  // namespace lodestone

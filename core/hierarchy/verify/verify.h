@@ -64,7 +64,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //                  edges were split, what splitting each of them makes; the input is on the same lattice
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.
 //
-// Time: about one second per million triangles of M_L at most; memory: a few words per vertex of two levels, and 24
+// Time: about one second per million triangles of M_L at most (by several threads: parallel/hierarchy/verify_threads.h,
+// by several processes: parallel/distributed/rank_verify.h); memory: a few words per vertex of two levels, and 24
 // bytes per input triangle for `input`.
 //
 // `progress` gets the share of the steps that are done, in (0, 1], after each of them; what it throws ends the call.

@@ -75,6 +75,6 @@ void check_partition(const Part& part, Finding& partition);
 void check_fingerprint(const Part& part, std::uint64_t vertices, Finding& fingerprint);
 
 // verify_input.cpp: M_L against the input.
-void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same);
+void check_input(const Part& part, const IndexedMesh& input, Finding& same);
 
 }  // namespace lodestone::verify

@@ -74,7 +74,6 @@ class RefinedTriangles {
     for (std::uint64_t i = 0; i < parts_.size(); ++i) body(i, parts_[i]);
   }
   [[nodiscard]] const Corners& operator[](std::uint64_t i) const { return parts_[i]; }
-  [[nodiscard]] std::uint64_t size() const { return parts_.size(); }
 
  private:
   [[nodiscard]] bool is_long(Vec3d p, Vec3d q) const { return dot(p - q, p - q) > limit2_; }
@@ -118,20 +117,28 @@ std::size_t bucket_of(const Corners& t) {
   return CellCode::from(cell_of({t.p[0][0], t.p[0][1], t.p[0][2]}, bucket_level)).morton;
 }
 
+bool is_here(const Part& part, std::size_t bucket) { return bucket % part.peers() == part.index(); }
+
 struct Buckets {
-  std::vector<std::uint64_t> first;      // one per bucket and one more
+  std::vector<std::uint64_t> first;      // one per bucket and one more; the buckets of other peers are empty
   std::vector<std::uint64_t> triangles;  // by bucket
 };
 
 template <typename Triangles>
-Buckets bucketed(const Triangles& triangles, std::uint64_t count) {
+Buckets bucketed(const Part& part, const Triangles& triangles) {
   Buckets result;
   result.first.assign(bucket_count + 1, 0);
-  triangles.for_each([&](std::uint64_t, const Corners& t) { ++result.first[bucket_of(t) + 1]; });
+  triangles.for_each([&](std::uint64_t, const Corners& t) {
+    const std::size_t bucket = bucket_of(t);
+    if (is_here(part, bucket)) ++result.first[bucket + 1];
+  });
   std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
-  result.triangles.resize(count);
+  result.triangles.resize(result.first.back());
   std::vector<std::uint64_t> next(result.first.begin(), result.first.end() - 1);
-  triangles.for_each([&](std::uint64_t i, const Corners& t) { result.triangles[next[bucket_of(t)]++] = i; });
+  triangles.for_each([&](std::uint64_t i, const Corners& t) {
+    const std::size_t bucket = bucket_of(t);
+    if (is_here(part, bucket)) result.triangles[next[bucket]++] = i;
+  });
   return result;
 }
 
@@ -152,10 +159,8 @@ std::string name_of(const Corners& t) {
 
 // Compares both as multisets, bucket by bucket.
 template <typename Given>
-void compare(const Given& given, std::uint64_t given_count, const FinestTriangles& kept, std::uint64_t kept_count,
-             Finding& same) {
-  const Buckets given_by_bucket = bucketed(given, given_count);
-  const Buckets kept_by_bucket = bucketed(kept, kept_count);
+void compare(const Part& part, const Given& given, const FinestTriangles& kept, Finding& same) {
+  const Buckets given_by_bucket = bucketed(part, given), kept_by_bucket = bucketed(part, kept);
   std::vector<Corners> a, b;
   for (std::size_t bucket = 0; bucket < bucket_count; ++bucket) {
     take_sorted(given, given_by_bucket, bucket, a);
@@ -174,18 +179,18 @@ void compare(const Given& given, std::uint64_t given_count, const FinestTriangle
 
 }  // namespace
 
-void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same) {
+void check_input(const Part& part, const IndexedMesh& input, Finding& same) {
+  const Hierarchy& hierarchy = part.hierarchy;
   Transform transform = input.transform;
   transform.up = hierarchy.transform.up;  // may have been given
-  same.require(hierarchy.transform == transform, [] { return "origin or scale differ from the input's"; });
+  if (part.has_tables())
+    same.require(hierarchy.transform == transform, [] { return "origin or scale differ from the input's"; });
   const FinestTriangles kept(hierarchy);
-  const std::uint64_t kept_count = hierarchy.levels.back().triangles;
-  if (!hierarchy.provenance.refined) {
-    compare(InputTriangles(input), input.triangles.size(), kept, kept_count, same);
-  } else {
-    const RefinedTriangles given(input, double{hierarchy.sigma0} * hierarchy.cell_size(hierarchy.finest()));
-    compare(given, given.size(), kept, kept_count, same);
-  }
+  if (!hierarchy.provenance.refined)
+    compare(part, InputTriangles(input), kept, same);
+  else
+    compare(part, RefinedTriangles(input, double{hierarchy.sigma0} * hierarchy.cell_size(hierarchy.finest())), kept,
+            same);
 }
 
 }  // namespace lodestone::verify
