@@ -12,6 +12,7 @@
 #include "core/hierarchy/lode/lode_format.h"
 #include "parallel/distributed/pieces.h"
 #include "parallel/distributed/rank_signatures.h"
+#include "parallel/distributed/slices.h"
 #include "parallel/hierarchy/level_table.h"
 
 namespace lodestone {
@@ -55,11 +56,15 @@ class Tables {
  public:
   // `records`: by rank, the cells of each in its order.
   Tables(const ByRank<CellRecord>& records, Hierarchy& head) : head_(head) {
+    std::vector<std::uint64_t> sizes;
+    for (const std::vector<CellRecord>& of_rank : records) sizes.push_back(of_rank.size());
+    cells_of_ranks_ = Slices(sizes);
+    // Of exactly the size that they get: growing would take up to three times that.
+    const std::uint64_t cells = cells_of_ranks_.total();
     std::vector<Entry> order;
-    for (std::uint32_t rank = 0; rank < records.size(); ++rank) {
-      places_.emplace_back(records[rank].size());
+    order.reserve(cells), counts_.reserve(cells), owners_.reserve(cells), head.cells.reserve(cells);
+    for (std::uint32_t rank = 0; rank < records.size(); ++rank)
       for (std::uint32_t i = 0; i < records[rank].size(); ++i) order.push_back({&records[rank][i], rank, i});
-    }
     std::ranges::sort(order, {}, [](const Entry& e) { return std::pair(e.record->level, e.record->code); });
     const std::uint32_t finest = order.back().record->level;
     std::vector<CellCode> codes;
@@ -79,14 +84,17 @@ class Tables {
     }
     for (const Entry& entry : order) counts_.push_back(counts_of_record(*entry.record, false));
     layout_ = plan_lode(head, counts_);
+    numbers_.resize(cells);
     for (std::uint32_t c = 0; c < order.size(); ++c) {
-      places_[order[c].rank][order[c].index] = {layout_.cell_offset[c], CellId(c)};
+      numbers_[cells_of_ranks_.begin(static_cast<int>(order[c].rank)) + order[c].index] = CellId(c);
       owners_.push_back({static_cast<int>(order[c].rank), order[c].record->shared});
     }
     checksums_.resize(order.size());
   }
 
-  [[nodiscard]] const ByRank<CellPlace>& places() const { return places_; }
+  // The cells of all ranks, of one rank after the other: whose the i-th is, and its place.
+  [[nodiscard]] const Slices& cells_of_ranks() const { return cells_of_ranks_; }
+  [[nodiscard]] CellPlace place(std::uint64_t i) const { return {layout_.cell_offset[numbers_[i]], numbers_[i]}; }
   [[nodiscard]] const LodeLayout& layout() const { return layout_; }
   [[nodiscard]] LevelBorders borders(std::size_t l) const {
     const Level& level = head_.levels[l];
@@ -113,7 +121,8 @@ class Tables {
   std::vector<PayloadCounts> counts_;  // by cell of the file
   LodeLayout layout_;
   std::vector<std::uint64_t> checksums_;
-  ByRank<CellPlace> places_;
+  Slices cells_of_ranks_;
+  std::vector<CellId> numbers_;              // in that order
   std::vector<LevelBorders::Owner> owners_;  // by cell of the file
 };
 
@@ -138,14 +147,11 @@ class RankSaver {
           std::vector<CellRecord>& of_rank = records[static_cast<std::size_t>(from)];
           of_rank.insert(of_rank.end(), some.begin(), some.end());
         });
-    std::vector<std::pair<int, CellPlace>> places;
-    if (is_first()) {
-      tables_.emplace(records, head_);
-      for (std::size_t rank = 0; rank < tables_->places().size(); ++rank)
-        for (const CellPlace& place : tables_->places()[rank]) places.emplace_back(rank, place);
-    }
+    if (is_first()) tables_.emplace(records, head_);
+    ByRank<CellRecord>().swap(records);
     exchange_in_pieces<CellPlace>(
-        ranks_, places.size(), [&](std::uint64_t i, const auto& emit) { emit(places[i].first, places[i].second); },
+        ranks_, is_first() ? tables_->cells_of_ranks().total() : 0,
+        [&](std::uint64_t i, const auto& emit) { emit(tables_->cells_of_ranks().owner(i), tables_->place(i)); },
         [&](int, const std::vector<CellPlace>& some) { places_.insert(places_.end(), some.begin(), some.end()); });
     short_indices_ = ranks_.any(is_first() && tables_->layout().short_indices);
   }

@@ -96,14 +96,16 @@ std::vector<CellSets> gather_sets(const CellSets& own, Ranks& ranks) {
       },
       [&](int from, const std::vector<std::uint32_t>& words) {
         CellSets& part = parts[static_cast<std::size_t>(from)];
+        std::vector<CellId> cells;
         for (std::size_t w = 0; w < words.size();) {
           const std::size_t left = words.size() - w;
           if (left < 4 || words[w + 3] > left - 4) throw Error("a message ends within a set of cells");
           part.first.push_back(words[w] | std::uint64_t{words[w + 1]} << 32);
           part.errors.push_back(std::bit_cast<float>(words[w + 2]));
           const std::size_t count = words[w + 3];
-          std::vector<CellId>& cells = part.cells.emplace_back();
+          cells.clear();
           for (std::size_t k = 0; k < count; ++k) cells.emplace_back(words[w + 4 + k]);
+          part.cells.add(cells);
           w += 4 + count;
         }
       });

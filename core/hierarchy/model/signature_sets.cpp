@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "core/base/key_numbers.h"
@@ -12,22 +11,11 @@
 namespace lodestone {
 namespace {
 
-using Cells = std::vector<CellId>;
-
-// Both transparent, so that a set is looked up without a copy of it.
-struct CellsHash {
-  using is_transparent = void;
-  std::size_t operator()(std::span<const CellId> cells) const {
-    std::uint64_t hash = cells.size();
-    for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
-    return hash;
-  }
-};
-
-struct SameCells {
-  using is_transparent = void;
-  bool operator()(std::span<const CellId> a, std::span<const CellId> b) const { return std::ranges::equal(a, b); }
-};
+std::uint64_t hash_of(std::span<const CellId> cells) {
+  std::uint64_t hash = cells.size();
+  for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
+  return hash;
+}
 
 // Bits; -0 is 0. Compared without a branch: most positions are there already.
 struct Position {
@@ -51,16 +39,18 @@ Position bits_of(Vec3f p) {
 
 // Distinct sets of cells by number: some may be united with others.
 struct LevelSets {
-  std::unordered_map<Cells, std::uint32_t, CellsHash, SameCells> number_of;
-  std::vector<Cells> sets;
+  CellLists sets;
   std::vector<std::uint32_t> joined;  // by set: the one that it became a part of, or itself
 
   std::uint32_t number(std::span<const CellId> cells) {
-    if (const auto found = number_of.find(cells); found != number_of.end()) return found->second;
-    const auto next = static_cast<std::uint32_t>(sets.size());
-    joined.push_back(next);
-    number_of.emplace(sets.emplace_back(cells.begin(), cells.end()), next);
-    return next;
+    if (slots_.size() < 2 * sets.size() + 2) grow();
+    std::uint32_t& slot = slot_of(cells);
+    if (slot == no_set) {
+      slot = static_cast<std::uint32_t>(sets.size());
+      joined.push_back(slot);
+      sets.add(cells);
+    }
+    return slot;
   }
   std::uint32_t final_of(std::uint32_t set) const {
     while (joined[set] != set) set = joined[set];
@@ -68,7 +58,7 @@ struct LevelSets {
   }
   // All of them become their union, in every cell.
   void unite(std::span<const std::uint32_t> some) {
-    Cells all;
+    std::vector<CellId> all;
     for (const std::uint32_t set : some) all.insert(all.end(), sets[set].begin(), sets[set].end());
     sort_unique(all);
     // The union may be a set that exists, and then that one may have become a part of another.
@@ -76,6 +66,21 @@ struct LevelSets {
     for (const std::uint32_t set : some)
       if (const std::uint32_t from = final_of(set); from != to) joined[from] = to;
   }
+
+ private:
+  // The slot that has the set, or would have it.
+  std::uint32_t& slot_of(std::span<const CellId> cells) {
+    for (std::size_t at = hash_of(cells);; ++at) {
+      std::uint32_t& slot = slots_[at & (slots_.size() - 1)];
+      if (slot == no_set || std::ranges::equal(sets[slot], cells)) return slot;
+    }
+  }
+  void grow() {
+    slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), no_set);
+    for (std::uint32_t set = 0; set < sets.size(); ++set) slot_of(sets[set]) = set;
+  }
+
+  std::vector<std::uint32_t> slots_;  // a power of two of them, at least half of them empty: numbers of sets
 };
 
 // Unites sets of cells that have `most` of two cells and more, until none has: with that of the cell alone, which stays
@@ -170,11 +175,13 @@ LevelSignatures::LevelSignatures(const std::vector<CellSets>& parts, const Level
   std::vector<std::uint32_t> left;
   for (const std::vector<std::uint32_t>& sets : of_cell_) left.insert(left.end(), sets.begin(), sets.end());
   sort_unique(left);
-  std::ranges::sort(left, {}, [&](std::uint32_t set) -> const Cells& { return found.sets[set]; });
+  std::ranges::sort(left, [&](std::uint32_t a, std::uint32_t b) {
+    return std::ranges::lexicographical_compare(found.sets[a], found.sets[b]);
+  });
   std::vector<std::uint32_t> final_number(found.sets.size());
   for (std::uint32_t k = 0; k < left.size(); ++k) {
     final_number[left[k]] = k;
-    cells_.push_back(std::move(found.sets[left[k]]));
+    cells_.add(found.sets[left[k]]);
   }
   errors_.resize(left.size(), 0);
   for (std::size_t p = 0; p < parts.size(); ++p)
@@ -191,9 +198,9 @@ LevelSignatures::LevelSignatures(const std::vector<CellSets>& parts, const Level
 
 void LevelSignatures::append_to(Signatures::Table& table) const {
   table.sets.push_back(static_cast<std::uint32_t>(cells_.size()));
-  for (const std::vector<CellId>& cells : cells_) {
-    table.sizes.push_back(static_cast<std::uint32_t>(cells.size()));
-    table.cells.insert(table.cells.end(), cells.begin(), cells.end());
+  for (std::size_t set = 0; set < cells_.size(); ++set) {
+    table.sizes.push_back(static_cast<std::uint32_t>(cells_[set].size()));
+    table.cells.insert(table.cells.end(), cells_[set].begin(), cells_[set].end());
   }
   table.errors.insert(table.errors.end(), errors_.begin(), errors_.end());
 }

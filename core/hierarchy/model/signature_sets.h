@@ -19,11 +19,30 @@ struct BorderCopies {
   std::vector<std::uint64_t> numbers;  // ascending: by cell, then by vertex within it, among all copies of the level
 };
 
+// Lists of cells, by number, one after the other in memory.
+class CellLists {
+ public:
+  [[nodiscard]] std::size_t size() const { return end_.size(); }
+  [[nodiscard]] std::span<const CellId> operator[](std::size_t list) const {
+    const std::size_t begin = list == 0 ? 0 : end_[list - 1];
+    return std::span(cells_).subspan(begin, end_[list] - begin);
+  }
+  // `cells` are not of these lists.
+  void add(std::span<const CellId> cells) {
+    cells_.insert(cells_.end(), cells.begin(), cells.end());
+    end_.push_back(cells_.size());
+  }
+
+ private:
+  std::vector<std::size_t> end_;  // by list
+  std::vector<CellId> cells_;
+};
+
 // Distinct sets of two cells and more, in the order of their first copies.
 struct CellSets {
-  std::vector<std::vector<CellId>> cells;  // by set: ascending, each once
-  std::vector<std::uint64_t> first;        // by set: the number of its first copy
-  std::vector<float> errors;               // by set: the largest of its copies
+  CellLists cells;                   // by set: ascending, each once
+  std::vector<std::uint64_t> first;  // by set: the number of its first copy
+  std::vector<float> errors;         // by set: the largest of its copies
 };
 inline constexpr std::uint32_t no_set = ~std::uint32_t{0};  // where no other cell uses a position
 
@@ -44,7 +63,7 @@ class LevelSignatures {
  private:
   std::vector<std::vector<std::uint32_t>> number_;   // by part, by set
   std::vector<std::vector<std::uint32_t>> of_cell_;  // by rank
-  std::vector<std::vector<CellId>> cells_;           // by number
+  CellLists cells_;                                  // by number
   std::vector<float> errors_;                        // by number
 };
 
