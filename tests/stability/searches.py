@@ -12,10 +12,10 @@ FUZZ = """
 `scripts/fuzz` gives each reader, `simplify` and the selection of cells whatever libFuzzer makes of the corpus, under the
 address and undefined-behaviour sanitizers: an input fails that ends the program, takes more than a minute or 2 GiB, or breaks
 what the harness asserts. Edges are those of our code that the inputs reach before and after a search, which begins with the
-corpus and with what earlier ones have kept. Last run on {date}, {seconds:,} s of processor time in all:
+corpus and with what earlier ones have kept. The last run of each, with its processor time:
 
-| harness | inputs | edges before | edges after | failed |
-| --- | ---: | ---: | ---: | --- |
+| harness | inputs | edges before | edges after | failed | s | date |
+| --- | ---: | ---: | ---: | --- | ---: | --- |
 {rows}
 """
 
@@ -25,27 +25,29 @@ MUTATE = """
 """
 
 
-def fuzz_row(log):
-    text = log.read_text(errors="replace")
-    runs = re.search(r"stat::number_of_executed_units: (\d+)", text)
-    edges = re.findall(r"cov: (\d+)", text)
-    inited = re.search(r"INITED cov: (\d+)", text)
-    seconds = re.search(r"(\d+) s of processor time", text)
-    failed = re.search(r"SUMMARY: (.*)", text)
-    return (f"| {log.stem} | {int(runs[1]) if runs else 0:,} | {inited[1] if inited else 0} | {edges[-1] if edges else 0} | "
-            f"{failed[1] if failed else 'none'} |", int(seconds[1]) if seconds else 0)
-
-
 def date_of(files):
     return datetime.date.fromtimestamp(max(file.stat().st_mtime for file in files))
 
 
-def fuzzing(build):
-    logs = sorted(log for log in (build / "fuzz").glob("*.log") if "INITED" in log.read_text(errors="replace"))
-    if not logs:
-        return ""
-    rows, seconds = zip(*map(fuzz_row, logs))
-    return FUZZ.format(date=date_of(logs), seconds=sum(seconds), rows="\n".join(rows))
+def fuzz_row(log):
+    """None for a search that has not ended."""
+    text = log.read_text(errors="replace")
+    seconds = re.search(r"(\d+) s of processor time", text)
+    failed = re.search(r"SUMMARY: (.*)", text)
+    if not seconds and not failed:
+        return None
+    runs = re.search(r"stat::number_of_executed_units: (\d+)", text)
+    edges = re.findall(r"cov: (\d+)", text)
+    inited = re.search(r"INITED cov: (\d+)", text)
+    return (f"| {log.stem} | {int(runs[1]) if runs else 0:,} | {inited[1] if inited else 0} | {edges[-1] if edges else 0} | "
+            f"{failed[1] if failed else 'none'} | {seconds[1] if seconds else 0} | {date_of([log])} |")
+
+
+def fuzzing(build, old):
+    """A harness without a log keeps the row that it has in the old text."""
+    rows = {row.split()[1]: row for row in re.findall(r"^\| \w+ \| [\d,]+ \|.*$", old, re.MULTILINE)}
+    rows |= {log.stem: row for log in (build / "fuzz").glob("*.log") if (row := fuzz_row(log))}
+    return FUZZ.format(rows="\n".join(rows[name] for name in sorted(rows))) if rows else ""
 
 
 def mutation(build):
@@ -78,4 +80,4 @@ def section(build, page):
     old, found = (page[begin:end][len(HEAD) + 2:] + FOUND).split(FOUND)[:2]
     at = old.find(MUTATE[:MUTATE.index(" plants")])
     fuzzed, mutated = (old, "") if at < 0 else (old[:at], old[at:])
-    return f"\n{HEAD}\n" + (fuzzing(build) or fuzzed) + (mutation(build) or mutated) + (FOUND + found if found else "")
+    return f"\n{HEAD}\n" + fuzzing(build, fuzzed) + (mutation(build) or mutated) + (FOUND + found if found else "")

@@ -32,13 +32,14 @@ class Searches(unittest.TestCase):
         (self.build / "fuzz").mkdir()
         (self.build / "fuzz/ply.log").write_text(LOG)
         (self.build / "fuzz/off.log").write_text(LOG + "SUMMARY: AddressSanitizer: odd\n")
+        (self.build / "fuzz/obj.log").write_text(LOG.split("Done")[0])  # still runs
         (self.build / "mutate").mkdir()
         rows = [{"kind": "sign", "caught": True}, {"kind": "bound", "caught": False}]
         (self.build / "mutate/abc-release-1-2-near.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
         page = self.page(PAGE)
-        self.assertIn("| ply | 1,234 | 12 | 34 | none |\n", page)
-        self.assertIn(", 180 s of processor time in all:\n", page)
-        self.assertIn("| off | 1,234 | 12 | 34 | AddressSanitizer: odd |\n", page)
+        self.assertIn("| ply | 1,234 | 12 | 34 | none | 90 | 20", page)
+        self.assertIn("| off | 1,234 | 12 | 34 | AddressSanitizer: odd | 90 | 20", page)
+        self.assertNotIn("| obj |", page)
         self.assertIn("Of 2 faults at commit abc (", page)
         self.assertIn("the tests of the nearest folder alone caught 1 (50.0 %): bound 0 of 1, sign 1 of 1.", page)
         self.assertTrue(page.endswith("\n## Views\n\nThe test.\n"))
@@ -47,6 +48,10 @@ class Searches(unittest.TestCase):
         for file in (*self.build.glob("fuzz/*"), *self.build.glob("mutate/*")):
             file.unlink()
         self.assertEqual(self.page(page), page)
+        (self.build / "fuzz/off.log").write_text(LOG)
+        page = self.page(page)
+        self.assertIn("| off | 1,234 | 12 | 34 | none |", page)
+        self.assertIn("| ply | 1,234 | 12 | 34 | none |", page)
 
 
 if __name__ == "__main__":
