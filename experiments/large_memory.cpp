@@ -14,6 +14,7 @@
 
 namespace lodestone {
 
+void return_large_memory() {}
 void keep_large_memory() {}
 
 }  // namespace lodestone
@@ -31,10 +32,12 @@ constexpr std::size_t large = 4 * huge_page;
 constexpr int threads_per_heap = 8;
 // Memory at the end of the heap that is given back to the system only when there is more of it free.
 constexpr int kept_bytes = 1 << 30;
+// Larger arrays are parts of no heap (the largest that malloc accepts for this).
+constexpr int returned_bytes = 32 << 20;
 
 bool wants_huge_pages = false;
 
-void ask_for_huge_pages(void* array, std::size_t bytes) {
+void make_huge(void* array, std::size_t bytes) {
   const auto address = reinterpret_cast<std::uintptr_t>(array);
   const std::uintptr_t begin = (address + huge_page - 1) / huge_page * huge_page,
                        end = (address + bytes) / huge_page * huge_page;
@@ -43,11 +46,16 @@ void ask_for_huge_pages(void* array, std::size_t bytes) {
 
 }  // namespace
 
-void keep_large_memory() {
-  mallopt(M_MMAP_MAX, 0);
+void return_large_memory() {
+  mallopt(M_MMAP_THRESHOLD, returned_bytes);
   mallopt(M_TRIM_THRESHOLD, kept_bytes);
-  mallopt(M_ARENA_MAX, 1 + static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / threads_per_heap);
   wants_huge_pages = true;
+}
+
+void keep_large_memory() {
+  return_large_memory();
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_ARENA_MAX, 1 + static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / threads_per_heap);
 }
 
 }  // namespace lodestone
@@ -55,7 +63,7 @@ void keep_large_memory() {
 void* operator new(std::size_t bytes) {
   for (;;) {
     if (void* const memory = std::malloc(std::max<std::size_t>(bytes, 1))) {
-      if (lodestone::wants_huge_pages && bytes >= lodestone::large) lodestone::ask_for_huge_pages(memory, bytes);
+      if (lodestone::wants_huge_pages && bytes >= lodestone::large) lodestone::make_huge(memory, bytes);
       return memory;
     }
     const std::new_handler handler = std::get_new_handler();

@@ -8,5 +8,8 @@ namespace lodestone {
 // array is large. With a sanitizer, or another C library than glibc, nothing changes. To be called once, at the start
 // of main(). A program that calls this has operator new and delete replaced.
 void keep_large_memory();
+// The same, but arrays of 32 MiB and more go back to the system when they are freed: for processes whose memory is
+// limited, as what is kept between two large arrays may be too small for the next one.
+void return_large_memory();
 
 }  // namespace lodestone

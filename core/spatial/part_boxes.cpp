@@ -1,7 +1,6 @@
 #include "core/spatial/part_boxes.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <queue>
 
 namespace lodestone {
@@ -57,23 +56,22 @@ struct Part {
 
 }  // namespace
 
-void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles,
-                  std::size_t most) {
-  const std::size_t count = triangles.size();
+void divide_boxes(std::vector<BoxTree::Item>& items, std::size_t count, const CornersOf& corners_of, std::size_t most) {
   Box3f whole;
   for (const BoxTree::Item& item : items) whole.extend(item.box);
   const double share = over_share * half_area(whole) / static_cast<double>(std::max<std::size_t>(count, 1));
   std::priority_queue<Part> large;
   const auto add = [&](const Part& part) {
-    const Corners& t = triangles[part.triangle];
+    if (!(part.area > share)) return;
+    const Corners t = corners_of(part.triangle);
     const double area = 0.5 * length(cross(t[1] - t[0], t[2] - t[0])) * (part.last - part.first);
-    if (part.area > share && part.area > over_triangle * area) large.push(part);
+    if (part.area > over_triangle * area) large.push(part);
   };
   for (std::uint32_t i = 0; i < count; ++i) add({half_area(items[i].box), i, i});
   for (std::size_t added = 0; added < most && !large.empty();) {
     const Part part = large.top();
     large.pop();
-    const Needle needle(triangles[part.triangle]);
+    const Needle needle(corners_of(part.triangle));
     const double middle = 0.5 * (part.first + part.last);
     const Box3f one = needle.box(part.first, middle), other = needle.box(middle, part.last);
     if (half_area(one) + half_area(other) > worthwhile * part.area) continue;

@@ -6,16 +6,20 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/spatial/box_tree.h"
 
 namespace lodestone {
 
-// Adds items to those of a BoxTree, one for each of `triangles` in their order: where one box is much larger than the
-// triangle and than a fair share of the whole, the item gets the box of a part and new items of the same number get the
-// others. At most `most` items are added, the largest boxes divided first.
-void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles,
-                  std::size_t most);
+using CornersOf = std::function<std::array<Vec3d, 3>(std::uint32_t triangle)>;
+
+// Adds items to those of a BoxTree, of which the first `count` are those of triangles: where one box is much larger
+// than the triangle and than a fair share of the whole, the item gets the box of a part and new items of the same
+// number get the others. At most `most` items are added, the largest boxes divided first.
+void divide_boxes(std::vector<BoxTree::Item>& items, std::size_t count, const CornersOf& corners_of, std::size_t most);
 
 }  // namespace lodestone

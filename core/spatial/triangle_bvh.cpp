@@ -75,13 +75,14 @@ struct Parts {
   [[nodiscard]] std::uint32_t number(std::uint32_t slot) const { return items[codes[slot].number].number; }
 };
 
-Parts make_parts(const std::vector<Corners>& corners, std::size_t per_triangle, const CentreLattice& lattice) {
-  Parts parts{std::vector<BoxTree::Item>(corners.size()), {}};
-  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+Parts make_parts(std::size_t count, const CornersOf& corners_of, std::size_t per_triangle,
+                 const CentreLattice& lattice) {
+  Parts parts{std::vector<BoxTree::Item>(count), {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
     parts.items[i].number = i;
-    for (const Vec3d p : corners[i]) extend(parts.items[i].box, p);
+    for (const Vec3d p : corners_of(i)) extend(parts.items[i].box, p);
   }
-  divide_boxes(parts.items, corners, per_triangle * corners.size());
+  divide_boxes(parts.items, count, corners_of, per_triangle * count);
   parts.codes.resize(parts.items.size());
   for (std::uint32_t i = 0; i < parts.codes.size(); ++i) parts.codes[i] = {lattice.code(parts.items[i].box), i};
   std::sort(parts.codes.begin(), parts.codes.end(), [](const BoxTree::Code& a, const BoxTree::Code& b) {
@@ -94,16 +95,18 @@ Parts make_parts(const std::vector<Corners>& corners, std::size_t per_triangle, 
 
 TriangleBvh::TriangleBvh(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   assert(!triangles.empty());
-  std::vector<Corners> corners(triangles.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) corners[i][k] = positions[triangles[i].v[k]];
+  // From the arguments whenever they are asked for: an array of all would be the largest here.
+  const auto corners = [&](std::uint32_t triangle) {
+    const auto& v = triangles[triangle].v;
+    return Corners{positions[v[0]], positions[v[1]], positions[v[2]]};
+  };
   const CentreLattice lattice(positions);
-  Parts parts = make_parts(corners, parts_with_slabs, lattice);
-  const auto corners_of = [&](std::uint32_t slot) { return corners[parts.number(slot)]; };
+  Parts parts = make_parts(triangles.size(), corners, parts_with_slabs, lattice);
+  const auto corners_of = [&](std::uint32_t slot) { return corners(parts.number(slot)); };
   bool with_slabs = false;
-  if (parts.items.size() == (1 + parts_with_slabs) * corners.size()) {
+  if (parts.items.size() == (1 + parts_with_slabs) * triangles.size()) {
     with_slabs = are_side_by_side(parts.size(), corners_of);
-    if (!with_slabs) parts = make_parts(corners, parts_per_triangle, lattice);
+    if (!with_slabs) parts = make_parts(triangles.size(), corners, parts_per_triangle, lattice);
   }
 
   std::vector<std::uint32_t> renumbered(positions.size(), no_hint);

@@ -1,7 +1,7 @@
 // Nearest point on a triangle mesh, and intersection of rays with it: a BoxTree over the triangles in Morton order.
-// About 50 bytes per triangle, up to 600 where most of them are needles that cross each other
-// (core/spatial/part_boxes.h) and 250 where these lie side by side (core/spatial/needle_slabs.h); built in O(n log n),
-// a query near the surface visits some tens of nodes.
+// About 50 bytes per triangle (100 more while it is built), up to 600 where most of them are needles that cross each
+// other (core/spatial/part_boxes.h) and 250 where these lie side by side (core/spatial/needle_slabs.h); built in O(n
+// log n), a query near the surface visits some tens of nodes.
 #pragma once
 
 #include <cstdint>

@@ -31,6 +31,6 @@ int run_commands(int argc, char** argv) {
 }  // namespace lodestone
 
 int main(int argc, char** argv) {
-  lodestone::keep_large_memory();
+  lodestone::return_large_memory();
   return lodestone::guard_memory(lodestone::run_commands, argc, argv);
 }

@@ -59,7 +59,7 @@ class Tables {
     std::vector<std::uint64_t> sizes;
     for (const std::vector<CellRecord>& of_rank : records) sizes.push_back(of_rank.size());
     cells_of_ranks_ = Slices(sizes);
-    // Of exactly the size that they get: growing would take up to three times that.
+    // Reserved, since growing would take up to three times the memory.
     const std::uint64_t cells = cells_of_ranks_.total();
     std::vector<Entry> order;
     order.reserve(cells), counts_.reserve(cells), owners_.reserve(cells), head.cells.reserve(cells);

@@ -45,19 +45,21 @@ void LevelSurface::build_cell(CellRank cell) {
   const auto triangles = static_cast<std::uint32_t>(from.triangles.size());
   std::vector<BoxTree::Item> items;
   items.reserve(triangles);
-  std::vector<Corners> triangle_corners;
-  triangle_corners.reserve(triangles);
   std::vector<char> used(from.positions.size(), 0);
   for (std::uint32_t t = 0; t < triangles; ++t) {
     items.push_back({box_of(cell, t), t});
-    triangle_corners.push_back(corners({level_.id_of(cell), t}));
     for (const std::uint32_t v : from.triangles[t].v) used[v] = 1;
   }
   for (std::uint32_t v = 0; v < used.size(); ++v)
     if (!used[v]) items.push_back({box_of(cell, triangles + v), triangles + v});
   const std::size_t undivided = items.size();
   std::vector<BoxTree::Item> parts = items;
-  divide_boxes(parts, triangle_corners, 2 * triangle_corners.size());
+  divide_boxes(
+      parts, triangles,
+      [&](std::uint32_t t) {
+        return corners({level_.id_of(cell), t});
+      },
+      std::size_t{2} * triangles);
   trees_[cell] = BoxTree(std::move(items), leaf_items);
   if (parts.size() == undivided) return;
   BoxTree& tree = parts_[cell] = BoxTree(std::move(parts), leaf_items);

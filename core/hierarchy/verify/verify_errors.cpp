@@ -32,15 +32,20 @@ constexpr std::size_t vertices_measured = 250'000;  // per level, about
 constexpr std::size_t points_compared = 100'000;    // with estimates, per level and direction, about
 
 // The surface of a level, of which each peer has the part of its cells. Called by all peers.
-class LevelSurface {
+class PartSurface {
  public:
   // Without regard to identity: copies of a vertex do not matter to distances. With points: vertices that no triangle
   // of their cell uses, as triangles without extent.
-  LevelSurface(const Part& part, int level, bool with_points) : part_(part) {
+  PartSurface(const Part& part, int level, bool with_points) : part_(part) {
     std::vector<Vec3d> positions;
     std::vector<Triangle> triangles;
     std::vector<char> used;
     Box3f box;
+    std::size_t vertices = 0, faces = 0;
+    part.for_cells(level, [&](CellId c) {
+      vertices += part.hierarchy.cells[c].positions.size(), faces += part.hierarchy.cells[c].triangles.size();
+    });
+    positions.reserve(vertices), triangles.reserve(faces);
     part.for_cells(level, [&](CellId c) {
       const Cell& cell = part.hierarchy.cells[c];
       const auto first = static_cast<std::uint32_t>(positions.size());
@@ -173,7 +178,7 @@ VertexErrors check_estimated(const Part& part, int coarse, const VertexErrors& b
   for_vertices_below(part, coarse, [&](CellId c, CellId k, VertexId v, std::uint64_t number) {
     if (is_measured(c, k, v, number)) points.push_back(to_double(hierarchy.cells[k].positions[v]));
   });
-  const std::vector<double> distances = LevelSurface(part, coarse, false).squared_distances(points);
+  const std::vector<double> distances = PartSurface(part, coarse, false).squared_distances(points);
   std::size_t measured = 0;
   for_vertices_below(part, coarse, [&](CellId c, CellId k, VertexId v, std::uint64_t number) {
     const Cell &cell = hierarchy.cells[c], &child = hierarchy.cells[k];
@@ -224,14 +229,14 @@ class DistanceSamples {
     for (CellId& cell : ancestor_) cell = hierarchy.cells[cell].parent;
     measure(l, finest_, visit);
     const CellId first = hierarchy.levels.back().first_cell;
-    measure(hierarchy.finest(), LevelSurface(part_, l, true),
+    measure(hierarchy.finest(), PartSurface(part_, l, true),
             [&](CellId cell, double distance) { visit(ancestor_[cell - first], distance); });
   }
 
  private:
   // Distances of triangles of a level from the other surface, with the cell of the triangle.
   template <class Visit>
-  void measure(int from, const LevelSurface& surface, const Visit& visit) {
+  void measure(int from, const PartSurface& surface, const Visit& visit) {
     const Level& level = part_.level(from);
     const std::uint64_t stride = 1 + level.triangles * 7 / most_;
     std::vector<Vec3d> points;
@@ -249,7 +254,7 @@ class DistanceSamples {
 
   const Part& part_;
   std::size_t most_;
-  LevelSurface finest_;
+  PartSurface finest_;
   std::vector<CellId> ancestor_;  // of each finest cell, on the level at hand
 };
 

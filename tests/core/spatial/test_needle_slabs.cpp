@@ -90,7 +90,8 @@ double tested(const Needles& needles, double farthest) {
     items.push_back({{}, t});
     for (const Vec3d p : corners.back()) extend(items.back().box, p);
   }
-  divide_boxes(items, corners, 2 * corners.size());
+  divide_boxes(
+      items, corners.size(), [&](std::uint32_t t) { return corners[t]; }, 2 * corners.size());
   BoxTree tree(std::move(items), 4);
   const auto corners_of = [&](std::uint32_t slot) { return corners[tree.items()[slot]]; };
   EXPECT_TRUE(are_side_by_side(static_cast<std::uint32_t>(tree.items().size()), corners_of));

@@ -17,7 +17,8 @@ std::vector<BoxTree::Item> divided(const std::vector<Corners>& triangles) {
     items.push_back({{}, t});
     for (const Vec3d p : triangles[t]) extend(items.back().box, p);
   }
-  divide_boxes(items, triangles, 2 * triangles.size());
+  divide_boxes(
+      items, triangles.size(), [&](std::uint32_t t) { return triangles[t]; }, 2 * triangles.size());
   return items;
 }
 
