@@ -106,8 +106,14 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const Scheduler& sched
   };
   {
     std::vector<std::jthread> threads;
-    for (std::size_t i = 1; i < count; ++i) threads.emplace_back(verify, i);
-    verify(0);
+    std::size_t started = 1;
+    try {
+      for (; started < count; ++started) threads.emplace_back(verify, started);
+      verify(0);
+    } catch (...) {  // no thread more: those that have begun must not wait for the others
+      errors[0] = std::current_exception();
+      for (std::size_t i = started; i <= count; ++i) post.fail();
+    }
   }
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);

@@ -105,7 +105,7 @@ class FailingAllocations(FaultCase):
         self.check("spherical .lpm", ("spherical", mesh(), "-o", "s.lpm", "--texture", 64, "--threads", 1, "--quiet"))
 
     def test_several_threads(self):
-        for name in ("build", "render"):
+        for name in ("build", "render", "verify"):
             self.check(name, (*commands(mesh(), lode())[name], "--threads", 3, "--quiet"))
 
     def test_textures(self):
