@@ -23,18 +23,14 @@ struct RankFigures {
   double cpu_seconds = 0, waited_seconds = 0;
 };
 
-// Rank 0 checks what follows from the tables, the radii.
-VerifyReport verify_all(const RankCells& cells, Ranks& ranks, const VerifyProgress& progress) {
-  VerifyReport report = verify_ranks(cells, ranks, progress);
+// Rank 0 checks the radii, which follow from the tables.
+VerifyReport verify_all(const RankCells& cells, Ranks& ranks, const std::string& file, const VerifyProgress& progress) {
+  if (!cells.hierarchy.signatures)
+    throw UnsupportedError(
+        describe(file, "", "has no signatures, as radii need them", "verify it with lodestone, in one process"));
+  VerifyReport report = verify_ranks(cells, ranks, file, progress);
   if (ranks.rank() == 0 && report.find("structure")->passed) report.checks.push_back(verify_radii(cells.hierarchy));
   return report;
-}
-
-void require_verifiable(const Hierarchy& hierarchy, const std::string& file) {
-  if (hierarchy.attributes.wedges || !hierarchy.signatures)
-    throw UnsupportedError(describe(
-        file, "", hierarchy.attributes.wedges ? "has texture coordinates, colours or materials" : "has no signatures",
-        "verify it with lodestone, in one process"));
 }
 
 void run(const VerifyJobOptions& options, const CommonOptions& common, Transport& transport) {
@@ -46,9 +42,8 @@ void run(const VerifyJobOptions& options, const CommonOptions& common, Transport
   Progress progress("reading", common.quiet || !is_first);
   progress.phase("reading");
   const RankCells cells = load_rank_cells(options.file, ranks.rank(), ranks.count(), *scheduler);
-  require_verifiable(cells.hierarchy, options.file);
   progress.phase("verifying");
-  const VerifyReport report = verify_all(cells, ranks, [&](double share) { progress.update(share); });
+  const VerifyReport report = verify_all(cells, ranks, options.file, [&](double share) { progress.update(share); });
   progress.clear();
   const std::vector<RankFigures> figures =
       ranks.gather(RankFigures{cells.own.size(), ranks.traffic().bytes_sent, peak_resident_bytes(),

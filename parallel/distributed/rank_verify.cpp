@@ -27,9 +27,12 @@ class RankPeers final : public VerifyPeers {
 
 }  // namespace
 
-VerifyReport verify_ranks(const RankCells& cells, Ranks& ranks, const VerifyProgress& progress) {
+VerifyReport verify_ranks(const RankCells& cells, Ranks& ranks, const std::string& name,
+                          const VerifyProgress& progress) {
   if (cells.hierarchy.attributes.wedges)
-    throw UnsupportedError("several ranks do not verify a hierarchy with texture coordinates, colours or materials");
+    throw UnsupportedError(describe(name, "",
+                                    "has texture coordinates, colours or materials, which several ranks do not verify",
+                                    "verify it with lodestone, in one process"));
   RankPeers peers(cells, ranks);
   return verify_by_peers(cells.hierarchy, peers, nullptr, progress);
 }

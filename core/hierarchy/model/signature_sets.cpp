@@ -70,10 +70,8 @@ struct LevelSets {
  private:
   // The slot that has the set, or would have it.
   std::uint32_t& slot_of(std::span<const CellId> cells) {
-    for (std::size_t at = hash_of(cells);; ++at) {
-      std::uint32_t& slot = slots_[at & (slots_.size() - 1)];
-      if (slot == no_set || std::ranges::equal(sets[slot], cells)) return slot;
-    }
+    return probe(slots_.data(), slots_.size() - 1, hash_of(cells),
+                 [&](std::uint32_t slot) { return slot == no_set || std::ranges::equal(sets[slot], cells); });
   }
   void grow() {
     slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), no_set);

@@ -1,6 +1,7 @@
 #include "core/hierarchy/verify/verify.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 #include "core/hierarchy/model/structure.h"
@@ -13,7 +14,8 @@ namespace lodestone {
 namespace verify {
 
 VerifyCheck Finding::check(const Part& part) const {
-  const std::uint64_t examined = part.sum(examined_), failures = part.sum(failures_);
+  const std::vector<std::uint64_t> numbers = part.reduce(std::vector{examined_, failures_}, std::plus<>());
+  const std::uint64_t examined = numbers[0], failures = numbers[1];
   const std::vector<std::vector<char>> first = part.share(std::vector<char>(first_.begin(), first_.end()));
   if (failures == 0) return {name_, true, std::to_string(examined) + " examined"};
   const auto said = std::find_if(first.begin(), first.end(), [](const auto& text) { return !text.empty(); });

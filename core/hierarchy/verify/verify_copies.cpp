@@ -70,7 +70,7 @@ void check_positions_distinct(const Part& part, const std::vector<VertexCopy>& f
     for (VertexId v{0}; v < cell.first_shared(); ++v)
       places.push_back({cell.positions[v].x, cell.positions[v].y, cell.positions[v].z, c, v});
   });
-  places = part.sort_out(std::move(places), [](const Place& p) { return hash_of(Vec3f{p.x, p.y, p.z}); });
+  places = part.sort_out(std::move(places), [](const Place& p) { return key_of(Vec3f{p.x, p.y, p.z}); });
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
     return std::tie(a.x, a.y, a.z, a.cell, a.local) < std::tie(b.x, b.y, b.z, b.cell, b.local);
   });

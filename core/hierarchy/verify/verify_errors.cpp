@@ -353,7 +353,7 @@ std::vector<double> check_errors(const Part& part, Finding& errors) {
                  " from the other surface, the error stored is " + in_cells(error);
         });
     });
-    farthest = part.maximum(farthest);
+    farthest = part.maxima({farthest}).front();
     if (farthest > absolute_slack)
       ratio[static_cast<std::size_t>(l)] = farthest / std::max(double{largest}, absolute_slack);
   }

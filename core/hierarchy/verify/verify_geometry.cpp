@@ -140,13 +140,13 @@ void check_reach(const Part& part, Finding& reach) {
         chebyshev = std::max({chebyshev, far.x, far.y, far.z});
       }
     });
-    euclidean = part.maximum(euclidean), chebyshev = part.maximum(chebyshev), diameter = part.maximum(diameter);
+    const std::vector<double> found = part.maxima({euclidean, chebyshev, diameter});
     if (!part.has_tables()) continue;
     const Level& level = part.level(l);
     const double h = hierarchy.cell_size(l);
-    check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], euclidean / h);
-    check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], chebyshev / h);
-    check_bound(reach, "diameter", l, level.diameter, diameter / h);
+    check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], found[0] / h);
+    check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], found[1] / h);
+    check_bound(reach, "diameter", l, level.diameter, found[2] / h);
   }
 }
 

@@ -2,26 +2,20 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/hierarchy/verify/verify_peers.h"
+#include "core/mesh/clean_kernels.h"
 
 namespace lodestone::verify {
 
 // The same for -0 and +0.
-[[nodiscard]] inline std::uint64_t hash_of(Vec3f position) {
-  std::uint64_t hash = 0;
-  for (const float x : {position.x, position.y, position.z}) {
-    hash = (hash ^ std::bit_cast<std::uint32_t>(x + 0.0f)) * 0x9e37'79b9'7f4a'7c15u;
-    hash ^= hash >> 32;
-  }
-  return hash;
-}
+[[nodiscard]] inline std::uint64_t key_of(Vec3f p) { return hash_of(Vec3f{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}); }
 
 class Part {
  public:
@@ -89,11 +83,11 @@ class Part {
       for (std::size_t i = 0; i < all.size() && p != peers_.index(); ++i) all[i] = combine(all[i], of_peers[p][i]);
     return all;
   }
-  [[nodiscard]] double maximum(double value) const {
-    return reduce(std::vector{value}, [](double a, double b) { return std::max(a, b); }).front();
+  [[nodiscard]] std::vector<double> maxima(const std::vector<double>& values) const {
+    return reduce(values, [](double a, double b) { return std::max(a, b); });
   }
   [[nodiscard]] std::uint64_t sum(std::uint64_t value) const {
-    return reduce(std::vector{value}, [](std::uint64_t a, std::uint64_t b) { return a + b; }).front();
+    return reduce(std::vector{value}, std::plus<>()).front();
   }
 
   [[nodiscard]] std::size_t owner(CellId cell) const { return peers_.owner(cell); }

@@ -29,7 +29,7 @@ std::vector<Copy> sorted_copies(const Part& part, int level) {
     }
   });
   copies = part.sort_out(std::move(copies), [](const Copy& copy) {
-    return hash_of(Vec3f{copy.position[0], copy.position[1], copy.position[2]});
+    return key_of(Vec3f{copy.position[0], copy.position[1], copy.position[2]});
   });
   std::sort(copies.begin(), copies.end(), [](const Copy& a, const Copy& b) {
     return std::tie(a.position, a.cell, a.vertex) < std::tie(b.position, b.cell, b.vertex);

@@ -30,7 +30,7 @@ class RankVerify : public FolderTest {
       const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
       Ranks all(transport);
       const RankCells cells = load_rank_cells(name_, all.rank(), all.count(), *scheduler);
-      const VerifyReport report = verify_ranks(cells, all);
+      const VerifyReport report = verify_ranks(cells, all, "m.lode");
       if (all.rank() == 0) first = report;
     });
     return first;
@@ -86,7 +86,8 @@ TEST_F(RankVerify, RefusesWedges) {
     Ranks all(transport);
     RankCells cells = load_rank_cells(name_, 0, 1, *scheduler_);
     cells.hierarchy.attributes.wedges = true;
-    expect_error_of<UnsupportedError>([&] { return verify_ranks(cells, all); }, {"several ranks do not verify"});
+    expect_error_of<UnsupportedError>([&] { return verify_ranks(cells, all, "m.lode"); },
+                                      {"m.lode: has texture coordinates"});
   });
 }
 
