@@ -44,16 +44,20 @@ void make_huge(void* array, std::size_t bytes) {
   if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
-}  // namespace
-
-void return_large_memory() {
-  mallopt(M_MMAP_THRESHOLD, returned_bytes);
+void use_huge_pages_and_keep_heaps() {
   mallopt(M_TRIM_THRESHOLD, kept_bytes);
   wants_huge_pages = true;
 }
 
+}  // namespace
+
+void return_large_memory() {
+  use_huge_pages_and_keep_heaps();
+  mallopt(M_MMAP_THRESHOLD, returned_bytes);
+}
+
 void keep_large_memory() {
-  return_large_memory();
+  use_huge_pages_and_keep_heaps();
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_ARENA_MAX, 1 + static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / threads_per_heap);
 }
