@@ -68,8 +68,6 @@ void report_to(Progress& progress, BuildJob& job, const CommonOptions& common) {
     if (triangles > 0) progress.measure(triangles, "triangles");
   };
   job.on_scratch = [&](const ScratchUse& scratch) {
-    if (scratch.kept)
-      set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files, which were kept\n");
     if (!common.prints()) return;
     fmt::print("temporary files: about {:.1f} MB in {}{}\n", static_cast<double>(scratch.expected_bytes) * 1e-6,
                scratch.folder, scratch.kept ? ", kept until the build is done" : "");
@@ -147,6 +145,8 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
   check_files(common, file_arguments("IN", options.inputs), outputs);
+  if (options.resume)
+    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files that were kept\n");
   BuildJob job = job_of(options);
   auto scheduler = make_scheduler(common);
   if (!options.trace.empty()) {
