@@ -28,12 +28,13 @@ lodestone_provider(OpenSSL::Crypto "OpenSSL COMPONENTS Crypto" libcrypto libssl-
 lodestone_provider(tomlplusplus::tomlplusplus "tomlplusplus" tomlplusplus libtomlplusplus-dev)
 lodestone_provider(fmt::fmt "fmt" fmt libfmt-dev)
 lodestone_provider(PkgConfig::LIBWEBP "PkgConfig" libwebp "libwebp-dev;pkg-config")
+lodestone_provider(PkgConfig::LIBWEBPMUX "PkgConfig" libwebpmux "libwebp-dev;pkg-config")
 lodestone_provider(PkgConfig::TURBOJPEG "PkgConfig" libturbojpeg "libturbojpeg0-dev;pkg-config")
 lodestone_provider(PkgConfig::EPOXY "PkgConfig" epoxy "libepoxy-dev;pkg-config")
 lodestone_provider(PkgConfig::IMGUI "PkgConfig" imgui "libimgui-dev;pkg-config")
 
 # A target that pkg_check_modules(... IMPORTED_TARGET name) made is made again under the same name.
-foreach(prefix LIBWEBP TURBOJPEG EPOXY IMGUI)
+foreach(prefix LIBWEBP LIBWEBPMUX TURBOJPEG EPOXY IMGUI)
   set(target PkgConfig::${prefix})
   string(APPEND lodestone_find_${target}
          "\n  pkg_check_modules(${prefix} REQUIRED QUIET IMPORTED_TARGET ${lodestone_pkg_config_${target}})")

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/flight_pictures.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/rounds.h"
@@ -124,7 +125,7 @@ void add_accuracy(Row& row, const Hierarchy& hierarchy, const ViewConfig& view, 
   PictureMeasures pictures(scheduler);
   SurfaceSummary cracks_and_pops;
   PictureSummary summary;
-  WorstPicture worst;
+  FlightPictures shown;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     check_cancelled(study.context);
     picture.draw(shots[i].camera);
@@ -135,14 +136,14 @@ void add_accuracy(Row& row, const Hierarchy& hierarchy, const ViewConfig& view, 
       const Image whole = full.renderer().read_back();
       const Image seen = picture.renderer().read_back();
       PictureSample sample = pictures.measure(seen, whole, frame.view_projection, shots[i].follows);
-      worst.offer(seen, whole, sample.quality.flip.mean);
+      shown.offer(seen, whole, sample.quality.flip.mean);
       summary.add(std::move(sample));
     }
     study.context.progress(static_cast<double>(i + 1) / static_cast<double>(shots.size()));
   }
   cracks_and_pops.add_to(row);
   summary.add_to(row);
-  worst.write(study.context.directory, scheduler);
+  shown.write(study.context.directory, scheduler);
 }
 
 std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context) {

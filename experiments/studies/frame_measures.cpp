@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "experiments/metrics/pictures/flip.h"
-#include "experiments/metrics/pictures/heat_map.h"
 
 namespace lodestone {
 
@@ -42,18 +41,6 @@ PictureSample PictureMeasures::measure(const Image& picture, Image full, const V
   }
   previous_ = std::move(now);
   return sample;
-}
-
-void WorstPicture::offer(const Image& picture, const Image& full, double flip) {
-  if (flip <= flip_) return;
-  flip_ = flip, picture_ = picture, full_ = full;
-}
-
-void WorstPicture::write(const std::string& directory, Scheduler& scheduler) const {
-  if (flip_ < 0) return;
-  write_png(directory + "/worst-drawn.png", picture_);
-  write_png(directory + "/worst-full.png", full_);
-  write_png(directory + "/worst-flip.png", heat_map(flip_error(full_, picture_, scheduler)));
 }
 
 }  // namespace lodestone

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "experiments/metrics/pictures/error_map.h"
 #include "experiments/studies/model_drawer.h"
@@ -48,18 +47,6 @@ class PictureMeasures {
   };
   Scheduler& scheduler_;
   std::optional<Frame> previous_;
-};
-
-// The frame with the largest mean FLIP of a flight.
-class WorstPicture {
- public:
-  void offer(const Image& picture, const Image& full, double flip);
-  // worst-drawn.png, worst-full.png, worst-flip.png; nothing where nothing was offered.
-  void write(const std::string& directory, Scheduler& scheduler) const;
-
- private:
-  Image picture_, full_;
-  double flip_ = -1;
 };
 
 }  // namespace lodestone

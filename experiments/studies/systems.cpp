@@ -9,6 +9,7 @@
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/flight_pictures.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
@@ -100,7 +101,7 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
                   const Study& study) {
   SurfaceSummary cracks_and_pops;
   PictureSummary seen;
-  WorstPicture worst;
+  FlightPictures shown;
   double screen_error = 0, shift = 0, bytes = 0;
   (void)fly_systems(
       scene, renderer, config, *study.scheduler,
@@ -112,7 +113,7 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
         PictureSample sample{frame.quality, {}, {}};
         if (frame.frame > 0) sample.pops = frame.pops, sample.flip_pops = frame.flip_pops;
         seen.add(std::move(sample));
-        worst.offer(drawn.image, full, frame.quality.flip.mean);
+        shown.offer(drawn.image, full, frame.quality.flip.mean);
         study.context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
       });
   cracks_and_pops.add_to(row);
@@ -121,7 +122,7 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
   row["screen_error"] = screen_error, row["shift_pixels"] = shift;
   row["drawn_bytes"] = bytes / static_cast<double>(config.cameras.size());
   seen.add_to(row);
-  worst.write(study.context.directory, *study.scheduler);
+  shown.write(study.context.directory, *study.scheduler);
 }
 
 SystemFlightConfig flight_config(const Parameters& parameters, const Hierarchy& hierarchy, const RunContext& context) {

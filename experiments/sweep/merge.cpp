@@ -64,7 +64,7 @@ void take_run(const RunFolder& from, const RunFolder& to) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(from.path(), ignored)) {
     const fs::path name = entry.path().filename();
-    const bool wanted = name == "parameters.json" || name == "log.txt" || name.extension() == ".png";
+    const bool wanted = name == "parameters.json" || name == "log.txt" || is_picture(name);
     if (wanted && !fs::exists(to.path() / name)) copy_text(entry.path(), to.path() / name);
   }
 }

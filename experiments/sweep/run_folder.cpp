@@ -31,11 +31,11 @@ std::vector<fs::path> leftovers(const fs::path& folder) {
   return found;
 }
 
-// Pictures stay with the run; other files of the experiment go with the work folder.
+// Other files of the experiment go with the work folder.
 void keep_pictures(const fs::path& from, const fs::path& to) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(from, ignored)) {
-    if (entry.path().extension() != ".png") continue;
+    if (!is_picture(entry.path())) continue;
     std::error_code error;
     fs::rename(entry.path(), to / entry.path().filename(), error);
     if (error)
@@ -44,6 +44,8 @@ void keep_pictures(const fs::path& from, const fs::path& to) {
 }
 
 }  // namespace
+
+bool is_picture(const fs::path& file) { return file.extension() == ".png" || file.extension() == ".webp"; }
 
 Json to_json(const Fault& fault) { return {{"kind", fault.kind}, {"messages", fault.messages}}; }
 

@@ -33,6 +33,9 @@ struct WorkFolder {
   [[nodiscard]] std::filesystem::path scratch() const { return path / "files"; }  // the experiment's
 };
 
+// The files of an experiment that stay with its run: pictures, animated ones too.
+[[nodiscard]] bool is_picture(const std::filesystem::path& file);
+
 class RunFolder {
  public:
   RunFolder(const std::filesystem::path& directory, const std::string& id) : path_(directory / "runs" / id) {}

@@ -181,7 +181,8 @@ def read_run(o, runs, repetitions, columns):
     names = {c.name for c in columns}
     run.repetitions = [read_repetition(folder, number, names) for number in range(repetitions)]
     run.unsteady = unsteady_results(run, columns)
-    run.pictures = sorted(folder.glob("*.png"), key=lambda path: path.stem)  # a picture before its difference map
+    run.pictures = sorted((path for path in folder.glob("*") if path.suffix in (".png", ".webp")),
+                          key=lambda path: path.stem)  # a picture before its difference map
     return run
 
 

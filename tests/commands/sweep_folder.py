@@ -1,5 +1,6 @@
 """The directory of a sweep, made by hand as docs/format.md says. usage: sweep_folder.py DIR"""
 
+import base64
 import hashlib
 import json
 import pathlib
@@ -11,6 +12,7 @@ import zlib
 MANIFEST = {"commit": "0123456789abcdef0123456789abcdef01234567", "dirty": False, "compiler": "g++ 12.2.0",
             "flags": "-O3 -ffp-contract=off", "cpu": "A processor of 2 cores", "cores": 2, "affinity": [0, 1],
             "memory_bytes": 25 * 2**30, "host": "one"}
+WEBP = base64.b64decode("UklGRiIAAABXRUJQVlA4IBYAAAAwAQCdASoBAAEADsD+JaQAA3AAAAAA")  # of one pixel
 
 
 def column(name, kind, unit="", meaning="what it says"):
@@ -121,6 +123,7 @@ def add_border(study, chance):
                 if kappa0 == 2.0:
                     (folder / "worst.png").write_bytes(png(160, 100, (90, 140, 200)))
                     (folder / "worst.difference.png").write_bytes(png(160, 100, (220, 80, 60)))
+                    (folder / "worst.film.webp").write_bytes(WEBP)
     study.figure("Cracks below and above the border", "border", "kappa0", "gap_max", series=["data", "blend"], log="xy", mark="rho")
     study.figure("Time and triangles", "border", "kappa0", ["seconds", "triangles"], series=["data", "blend"], log="x")
 

@@ -104,10 +104,11 @@ class WholeReport(CommandCase):
                      "Mixed: host has 2 values", "repetitions are missing of 1 run;", "1 run of other settings",
                      "gap_max: from rho", "A processor of 2 cores"):
             self.assertIn(part, page.text)
-        self.assertEqual(len(page.images), 2 * 4)
+        self.assertEqual(len(page.images), 3 * 4)
         for image in page.images:
             self.assertTrue(image["alt"])
-            self.assertTrue(image["src"].startswith("data:image/png;base64,"))
+            kind = "webp" if image["alt"].startswith("worst.film") else "png"
+            self.assertTrue(image["src"].startswith(f"data:image/{kind};base64,"))
 
     def test_json_and_csv_have_all_rows(self):
         self.page("--json", "report.json", "--csv", "rows.csv")

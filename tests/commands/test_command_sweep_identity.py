@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import pathlib
 import subprocess
 
@@ -24,6 +25,9 @@ class RecordedPaths(SweepCase):
         return self.HEAD + (f'[[sweep]]\nname = "s"\nexperiment = "{experiment}"\ndata = "ball"\n'
                             f"parameters = {{ camera = [{cameras}], {self.COMMON}, {parameters} }}\n")
 
+    def files(self, output, run):
+        return set(os.listdir(self.folder / output / "runs" / run))
+
     def setUp(self):
         super().setUp()
         (self.folder / "paths").mkdir()
@@ -42,6 +46,12 @@ class RecordedPaths(SweepCase):
                                      (True, 0, 0, 0), parameters)
                     self.assertGreater(row["jump_max"], 0)
                     self.assertLessEqual(row["jump_over_bound"], 1)
+                    self.assertLessEqual({"worst-drawn.png", "worst-full.png", "worst-flip.png", "differences.png",
+                                          "flight.webp"}, self.files(experiment, run))
+            merged = f"{experiment}-merged"
+            self.results("merge", experiment, "-o", merged, "--quiet")
+            for run, _, _ in self.runs(experiment):
+                self.assertEqual(self.files(merged, run), self.files(experiment, run))
             column = "hash" if experiment == "raster" else "jump_max"
             flown = {p["camera"]: self.rows(run, 0, experiment)[0][column] for run, p, _ in self.runs(experiment)}
             self.assertNotEqual(flown["paths/walk.json"], flown["fly-in"])

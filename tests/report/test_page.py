@@ -86,11 +86,11 @@ class Page(FolderCase):
         folder = sweep_folder.make(self.folder / "ablation")
         study = lr.load(folder)
         one = sum(path.stat().st_size for path in next(run for run in study.unique_runs() if run.pictures).pictures)
-        for room, shown in ((0, 0), (one - 1, 0), (one, 2), (1 << 20, 8)):
+        for room, shown in ((0, 0), (one - 1, 0), (one, 3), (1 << 20, 12)):
             page = make_page([study], picture_bytes=room)
             self.assertEqual(page.count("<img"), shown)
-            self.assertEqual("Left out for their size" in page, shown < 8)
-        self.assertEqual(make_page([study, study]).count("<img"), 8)
+            self.assertEqual("Left out for their size" in page, shown < 12)
+        self.assertEqual(make_page([study, study]).count("<img"), 12)
 
 
 if __name__ == "__main__":

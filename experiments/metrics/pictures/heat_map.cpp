@@ -75,6 +75,12 @@ class Canvas {
   Image image_;
 };
 
+void paint(const ErrorMap& map, double top, Canvas& canvas) {
+  auto value = map.value.begin();
+  for (int y = 0; y < map.size.height; ++y)
+    for (int x = 0; x < map.size.width; ++x) canvas.fill(x, y, 1, 1, heat_colour(*value++ / top));
+}
+
 int width_of(const std::string& text) { return static_cast<int>(text.size()) * glyph_width; }
 
 }  // namespace
@@ -92,17 +98,18 @@ double heat_map_top(const ErrorMap& map) {
   return 1;
 }
 
-Image heat_map(const ErrorMap& map) {
-  const double top = heat_map_top(map);
+Image heat_map(const ErrorMap& map) { return heat_map(map, heat_map_top(map)); }
+
+Image heat_colours(const ErrorMap& map, double top) {
+  Canvas canvas(map.size);
+  paint(map, top, canvas);
+  return std::move(canvas).take();
+}
+
+Image heat_map(const ErrorMap& map, double top) {
   const int width = map.size.width, bar = map.size.height + heat_bar_gap, labels = bar + heat_bar_height;
   Canvas canvas({width, labels + heat_label_height});
-  for (int y = 0; y < map.size.height; ++y)
-    for (int x = 0; x < width; ++x)
-      canvas.fill(
-          x, y, 1, 1,
-          heat_colour(
-              map.value[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] /
-              top));
+  paint(map, top, canvas);
   for (int x = 0; x < width; ++x)
     canvas.fill(x, bar, 1, heat_bar_height, heat_colour(static_cast<double>(x) / std::max(width - 1, 1)));
   const std::string most = fmt::format("{:g}+", top), half = fmt::format("{:g}", top / 2);

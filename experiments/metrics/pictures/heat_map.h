@@ -12,7 +12,9 @@ namespace lodestone {
 // Black for 0, through purple, red and yellow to white for `top` and more, brighter all the way. A bar beneath has
 // these colours from left to right, with 0, half of `top` and `top` below their places; the picture is that much
 // higher.
-[[nodiscard]] Image heat_map(const ErrorMap& map);
+[[nodiscard]] Image heat_map(const ErrorMap& map, double top);
+[[nodiscard]] Image heat_map(const ErrorMap& map);                  // up to the top of the map
+[[nodiscard]] Image heat_colours(const ErrorMap& map, double top);  // the same without the bar
 
 inline constexpr int heat_bar_height = 10;  // pixels, below a gap of heat_bar_gap
 inline constexpr int heat_bar_gap = 4;

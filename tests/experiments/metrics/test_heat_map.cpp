@@ -46,6 +46,15 @@ TEST(HeatMap, PixelsHaveTheColoursOfTheBar) {
   }
 }
 
+TEST(HeatMap, OfAGivenTopWithTheBarOrWithout) {
+  const ErrorMap map = ramp(30, 4, 0.05F);
+  const Image bare = heat_colours(map, 0.5), whole = heat_map(map, 0.5);
+  EXPECT_EQ(bare.size, map.size);
+  EXPECT_TRUE(std::equal(bare.rgba.begin(), bare.rgba.end(), whole.rgba.begin()));
+  EXPECT_EQ(heat_colours(map, heat_map_top(map)).rgba, heat_colours(map, 0.05).rgba);
+  for (int x = 1; x < 30; ++x) EXPECT_LT(colour(bare, x, 0)[1], 255 / 4) << "a tenth of the top at most";
+}
+
 TEST(HeatMap, BarSaysWhereItEnds) {
   const auto lit = [](const Image& image, int left, int right) {
     int count = 0;
