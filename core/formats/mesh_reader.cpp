@@ -119,6 +119,13 @@ std::optional<KnownGrid> grid_of_size(std::uint64_t bytes) {
   throw UnsupportedError(describe(input.name(), "", "is not of a known mesh format", remedy));
 }
 
+// Readers that take a foreign file for one of theirs: its beginning for the free text of a header, or for lines without
+// meaning.
+bool takes_all(MeshFormat format, ByteReader& input) {
+  return format == MeshFormat::obj ||
+         (format == MeshFormat::stl && !is_complete_stl(input.window(stl_header_bytes), input.size()));
+}
+
 bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93LODE"); }
 
 }  // namespace
@@ -135,7 +142,10 @@ std::optional<MeshFormat> format_of_extension(const std::filesystem::path& path)
 }
 
 MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, const ReadConfig& config) {
-  if (const auto format = format_of_extension(path)) return *format;
+  if (const auto format = format_of_extension(path)) {
+    if (takes_all(*format, input)) refuse_foreign_content(input);
+    return *format;
+  }
   if (is_hierarchy(input))  // its first bytes may look like a binary STL
     throw UnsupportedError(
         describe(input.name(), "", "is a hierarchy (.lode), not a mesh", "give the mesh that it was built from"));

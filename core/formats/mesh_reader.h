@@ -17,8 +17,8 @@ enum class MeshFormat : std::uint8_t { ply, obj, stl, off, draco, gltf, tileset,
 [[nodiscard]] std::optional<MeshFormat> format_of_extension(const std::filesystem::path& path);  // in any case
 
 // By the extension (.ply, .obj, .stl, .off, .drc, .glb, .gltf, .json for tilesets, .hgt, .asc, in any case); for any
-// other, config.raw_grid decides, or else the first bytes. Throws UnsupportedError listing the known formats, or
-// saying that the file is a hierarchy.
+// other, config.raw_grid decides, or else the first bytes. Throws UnsupportedError listing the known formats, naming
+// that of another program, or saying that the file is a hierarchy.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input,
                                      const ReadConfig& config = {});
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "core/formats/mesh_file.h"
+#include "core/hierarchy/lode/lode_file.h"
 #include "core/mesh/edge_census.h"
 #include "core/mesh/up_axis.h"
 #include "core/simplify/contract/simplifier.h"
@@ -75,9 +75,7 @@ struct InfoOptions {
 };
 
 bool is_mesh(const InfoOptions& options) {
-  std::error_code ignored;
-  return has_mesh_extension(options.file) || !options.reading.grid.empty() ||
-         std::filesystem::is_directory(options.file, ignored);
+  return has_mesh_extension(options.file) || !options.reading.grid.empty() || !is_lode_file(options.file);
 }
 
 void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const CommonOptions& common) {

@@ -1,12 +1,10 @@
 #include "render/scene/open_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <fstream>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/lode/lode_file.h"
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/save.h"
@@ -16,14 +14,7 @@
 namespace lodestone {
 namespace {
 
-// Decided by its first bytes; by its name if there are none, so that errors are reported for a hierarchy.
-bool is_hierarchy(const SceneModel& model) {
-  if (model.generate) return false;
-  std::ifstream file(model.file, std::ios::binary);
-  std::array<char, lode_magic.size()> begin{};
-  return (file.read(begin.data(), begin.size()) && begin == lode_magic) ||
-         std::filesystem::path(model.file).extension() == ".lode";
-}
+bool is_hierarchy(const SceneModel& model) { return !model.generate && is_lode_file(model.file); }
 
 // A key that is equal for models made of the same source.
 std::string key_of(const SceneModel& model) {

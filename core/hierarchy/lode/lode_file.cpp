@@ -1,5 +1,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 
+#include <array>
+#include <fstream>
 #include <vector>
 
 #include "core/files/atomic_file.h"
@@ -42,6 +44,12 @@ std::uint64_t write_compressed(const Hierarchy& hierarchy, AtomicFile& file) {
 }
 
 }  // namespace
+
+bool is_lode_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, lode_magic.size()> begin{};
+  return (file.read(begin.data(), begin.size()) && begin == lode_magic) || path.extension() == ".lode";
+}
 
 std::uint64_t write_lode(const Hierarchy& hierarchy, const std::filesystem::path& path, LodeForm form) {
   AtomicFile file(path);

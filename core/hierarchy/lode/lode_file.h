@@ -10,6 +10,9 @@
 
 namespace lodestone {
 
+// Told by its first bytes, else by the extension .lode, so that a damaged one is not taken for something else.
+[[nodiscard]] bool is_lode_file(const std::filesystem::path& path);
+
 // Compressed files are about a sixth as large, cost the build more, and need a hierarchy on a lattice.
 enum class LodeForm : std::uint8_t { plain, compressed };
 

@@ -241,9 +241,8 @@ TEST(Draco, DamagedFilesAreErrors) {
     return head + static_cast<char>(method) + std::string(2, '\0') + std::string(counts) + std::string(40, '\0');
   };
   using namespace std::string_view_literals;
-  for (const std::string& crafted :
-       {bytes(0, "\x01\x80\x80\x80\x80\x01"sv), bytes(1, "\0\x80\x80\x80\x80\x01\x01"sv),
-        bytes(1, "\0\x08\x80\x80\x80\x80\x01"sv)})
+  for (const std::string& crafted : {bytes(0, "\x01\x80\x80\x80\x80\x01"sv), bytes(1, "\0\x80\x80\x80\x80\x01\x01"sv),
+                                     bytes(1, "\0\x08\x80\x80\x80\x80\x01"sv)})
     expect_error<InputError>(crafted, MeshFormat::draco, {"declares 268435456", "split the mesh"});
 }
 
@@ -313,6 +312,11 @@ TEST(MeshFile, FilesOfOtherProgramsAreNamed) {
   refused("part.stp", "text", "STEP, which is not read; mesh its surfaces");
   refused("a.stl.gz", "\x1f\x8b", "gzip, which is not read; unpack it");
   refused("a.xz", "\xfd\x37zXZ", "xz");
+  refused("a.stl", "Kaydara FBX Binary  ", "FBX");
+  refused("a.obj", "PK\3\4", "ZIP");
+  const std::string whole = binary_stl("LASF, but a header may say anything", 2, 2);
+  ByteReader stl({whole.data(), whole.size()}, "a.stl");
+  EXPECT_EQ(mesh_format("a.stl", stl), MeshFormat::stl);
   const std::string_view text = "v 0 0 0\nv 1 0 0\n";
   ByteReader input({text.data(), text.size()}, "points.xyz");
   EXPECT_EQ(mesh_format("points.xyz", input), MeshFormat::obj);
