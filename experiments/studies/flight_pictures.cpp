@@ -1,6 +1,7 @@
 #include "experiments/studies/flight_pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -29,32 +30,16 @@ std::vector<ErrorMap> chosen(std::span<const ErrorMap> maps) {
   return some;
 }
 
-// From left to right.
-template <class T>
-std::vector<T> side_by_side(std::span<const std::span<const T>> parts, std::size_t rows) {
-  std::vector<T> out;
-  for (std::size_t y = 0; y < rows; ++y)
-    for (const std::span<const T> part : parts) {
-      const std::size_t row = part.size() / rows;
-      out.insert(out.end(), part.begin() + static_cast<std::ptrdiff_t>(y * row),
-                 part.begin() + static_cast<std::ptrdiff_t>((y + 1) * row));
-    }
-  return out;
-}
-
+// Side by side, from left to right.
 ErrorMap strip(std::span<const ErrorMap> maps) {
   const ImageSize size = maps.front().size;
-  std::vector<std::span<const float>> parts;
-  for (const ErrorMap& map : maps) parts.emplace_back(map.value);
-  return {{size.width * static_cast<int>(maps.size()), size.height},
-          side_by_side<float>(parts, static_cast<std::size_t>(size.height))};
-}
-
-Image beside(const Image& a, const Image& b) {
-  const std::vector<std::span<const std::uint8_t>> parts{a.rgba, b.rgba};
-  return {{a.size.width + b.size.width, a.size.height},
-          side_by_side<std::uint8_t>(parts, static_cast<std::size_t>(a.size.height)),
-          {}};
+  ErrorMap joined{{size.width * static_cast<int>(maps.size()), size.height}, {}};
+  for (std::ptrdiff_t y = 0; y < size.height; ++y)
+    for (const ErrorMap& map : maps) {
+      const auto row = map.value.begin() + y * size.width;
+      joined.value.insert(joined.value.end(), row, row + size.width);
+    }
+  return joined;
 }
 
 }  // namespace
@@ -75,8 +60,10 @@ void FlightPictures::write(const std::string& directory, Scheduler& scheduler) c
   if (small_.size() < 2) return;
   const double top = heat_map_top(strip(differences_));
   write_png(directory + "/differences.png", heat_map(strip(chosen(differences_)), top));
+  const ContactSheetConfig beside{.columns = 2, .width = 2 * small_.front().size.width, .gap = 0};
   std::vector<Image> film;
-  for (std::size_t i = 0; i < small_.size(); ++i) film.push_back(beside(small_[i], heat_colours(differences_[i], top)));
+  for (std::size_t i = 0; i < small_.size(); ++i)
+    film.push_back(contact_sheet(std::array{small_[i], heat_colours(differences_[i], top)}, beside));
   write_film(directory + "/flight.webp", film, film_milliseconds);
 }
 

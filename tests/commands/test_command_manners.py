@@ -58,6 +58,7 @@ class Statuses(CommandCase):
     def test_of_what_is_not_supported(self):
         self.write("m.fbx", "Kaydara FBX Binary  ")
         self.expect(UNSUPPORTED, "build", "m.fbx", "-o", "m.lode")
+        self.expect(UNSUPPORTED, "info", "m.fbx")
         self.expect(UNSUPPORTED, "view", hierarchy(), environment={"DISPLAY": ":987", "WAYLAND_DISPLAY": ""})
 
     def test_of_limits(self):

@@ -50,14 +50,24 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
   }
 }
 
-// A page of the browser that fails the test on any error in its console, but for those that `expected` matches.
-export async function open(browser, name, {gate, part, slow, ranges, sent, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
+// One sample a pixel: several take more than half of the time that the processor needs for a picture.
+function drawOneSample() {
+  const {getContext} = HTMLCanvasElement.prototype;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return getContext.call(this, kind, {...options, antialias: false});
+  };
+}
+
+// A page of the browser that fails the test on any error in its console, but for those that `expected` matches. `smooth`:
+// with the samples that it asks for.
+export async function open(browser, name, {gate, part, slow, ranges, sent, query = '', expected = null, prepare = null, smooth = false, viewport = {width: 480, height: 360}, ...more} = {}) {
   const server = await serve(path.join(folder, name), {gate, part, slow, ranges, sent});
   const context = await browser.newContext({viewport, ...more}), page = await context.newPage(), errors = [];
   page.setDefaultTimeout(120000);
   const note = (text) => { if (!/GPU stall/.test(text) && !expected?.test(text)) errors.push(text); };
   page.on('console', (m) => { if (['error', 'warning'].includes(m.type())) note(m.text()); });
   page.on('pageerror', (e) => note(e.message));
+  if (!smooth) await page.addInitScript(drawOneSample);
   if (prepare) await page.addInitScript(prepare);
   await page.goto(`http://127.0.0.1:${server.port}/${query}`);
   const quiet = () => page.waitForFunction(() => window.lodestone?.ready && !window.lodestone.awake, null, {timeout: 120000});

@@ -124,8 +124,10 @@ async function testKeys(browser) {
 
 // Labels name the models and turn them upright.
 async function testSideBySide(browser) {
-  const {page, quiet, close} = await open(browser, 'two');
+  const {page, quiet, close} = await open(browser, 'two', {smooth: true});
   await quiet();
+  const samples = await page.evaluate(() => { const gl = window.lodestone.renderer.getContext(); return gl.getParameter(gl.SAMPLES); });
+  check(samples > 1, `edges are smooth: ${samples} samples a pixel`);
   const labels = page.locator('#labels button'), boxes = [await labels.nth(0).boundingBox(), await labels.nth(1).boundingBox()];
   const texts = await labels.allTextContents();
   check(texts[0].includes('sphere') && texts[1].includes('torus') && texts.every((t) => /[\d,]+ triangles/.test(t)), texts.join(' | '));

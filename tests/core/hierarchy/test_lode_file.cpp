@@ -35,6 +35,15 @@ TEST_F(LodeFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(LodeFile, IsToldByItsContentOrElseByItsName) {
+  write_lode(small_model(), path("a.data"));
+  write_lode(small_model(), path("b.ply"));
+  std::ofstream(path("c.lode")) << "something else";
+  std::ofstream(path("d.ply")) << "ply";
+  for (const char* name : {"a.data", "b.ply", "c.lode", "none.lode"}) EXPECT_TRUE(is_lode_file(path(name))) << name;
+  for (const char* name : {"d.ply", "none.ply"}) EXPECT_FALSE(is_lode_file(path(name))) << name;
+}
+
 TEST_F(LodeFile, GivesBackWhatWasCompressed) {
   for (const int finest : {0, 2}) {
     const Hierarchy model = test::lattice_sphere(4, {13}, finest).hierarchy;
