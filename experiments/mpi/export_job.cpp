@@ -7,7 +7,6 @@
 #include "core/mesh/up_axis.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/input.h"
-#include "experiments/metrics/cost/cost.h"
 #include "experiments/mpi/job.h"
 #include "experiments/subjects/tiles.h"
 #include "parallel/distributed/rank_tiles.h"
@@ -22,11 +21,6 @@ struct ExportOptions {
   double timeout = 600;
 };
 
-struct RankFigures {
-  std::uint64_t tiles = 0, triangles = 0, peak_bytes = 0;
-  double cpu_seconds = 0;
-};
-
 void run(const ExportOptions& options, const CommonOptions& common, Transport& transport) {
   const bool is_first = transport.rank() == 0;
   std::vector<FileArgument> outputs;
@@ -37,16 +31,13 @@ void run(const ExportOptions& options, const CommonOptions& common, Transport& t
   const auto scheduler = make_scheduler(common);
   Progress progress("writing", common.quiet || !is_first);
   progress.phase("writing");
-  std::vector<RankFigures> figures;
-  std::vector<std::string> hosts;
+  Json rows;
   RankTilesConfig config;
   config.tiles.tileset.morph = options.morph;
   config.tiles.progress = [&](double share) { progress.update(share); };
   if (options.up) config.up = up_axis(*options.up);
   config.last_words = [&](const RankTiles& own) {
-    figures =
-        ranks.gather(RankFigures{own.own_tiles, own.own_triangles, peak_resident_bytes(), clock.elapsed().cpu_seconds});
-    hosts = hosts_of(ranks);
+    rows = rank_rows(ranks, clock, {{"tiles", own.own_tiles}, {"triangles", own.own_triangles}});
   };
   std::optional<AtomicFolder> folder;
   if (is_first) folder.emplace(tile_folder(options.tiles));
@@ -55,16 +46,8 @@ void run(const ExportOptions& options, const CommonOptions& common, Transport& t
 
   finish_tiles(*folder, options.tiles, interrupt_flag(), result.saved);
   progress.clear();
-  Json per_rank = Json::array();
-  for (std::size_t r = 0; r < figures.size(); ++r)
-    per_rank.push_back({{"rank", r},
-                        {"host", hosts[r]},
-                        {"tiles", figures[r].tiles},
-                        {"triangles", figures[r].triangles},
-                        {"cpu_seconds", figures[r].cpu_seconds},
-                        {"peak_bytes", figures[r].peak_bytes}});
   Json json = to_json(result.saved, options.tiles, result.finest_triangles);
-  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", per_rank}});
+  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", rows}});
   write_result(common, json);
   if (!common.prints()) return;
   fmt::print("{}", summary(result.saved, options.tiles));

@@ -1,6 +1,8 @@
 // Commands that all processes of an MPI job run together.
 #pragma once
 
+#include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "experiments/commands/command.h"
 #include "parallel/distributed/mpi_transport.h"
 #include "parallel/distributed/ranks.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 
@@ -26,6 +29,11 @@ struct JobCommand {
 
 // The machine of each process, at all of them.
 [[nodiscard]] std::vector<std::string> hosts_of(Ranks& ranks);
+
+// Counts of a rank by name; all ranks have the same names.
+using RankCounts = std::initializer_list<std::pair<const char*, std::uint64_t>>;
+// A row for each process, at all of them: host, processor seconds since the clock, memory, messages so far, and counts.
+[[nodiscard]] Json rank_rows(Ranks& ranks, const CpuClock& clock, RankCounts own);
 
 // The transport outlives the table.
 template <class Options>

@@ -1,10 +1,7 @@
 // lodestone-mpi verify: the invariants of a .lode file by all processes of an MPI job (docs/cluster.md).
-#include <vector>
-
 #include "core/base/error.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/input.h"
-#include "experiments/metrics/cost/cost.h"
 #include "experiments/mpi/job.h"
 #include "experiments/subjects/verify.h"
 #include "parallel/distributed/rank_verify.h"
@@ -16,11 +13,6 @@ namespace {
 struct VerifyJobOptions {
   std::string file;
   double timeout = 600;
-};
-
-struct RankFigures {
-  std::uint64_t cells = 0, bytes_sent = 0, peak_bytes = 0;
-  double cpu_seconds = 0, waited_seconds = 0;
 };
 
 // Rank 0 checks the radii, which follow from the tables.
@@ -45,24 +37,12 @@ void run(const VerifyJobOptions& options, const CommonOptions& common, Transport
   progress.phase("verifying");
   const VerifyReport report = verify_all(cells, ranks, options.file, [&](double share) { progress.update(share); });
   progress.clear();
-  const std::vector<RankFigures> figures =
-      ranks.gather(RankFigures{cells.own.size(), ranks.traffic().bytes_sent, peak_resident_bytes(),
-                               clock.elapsed().cpu_seconds, ranks.traffic().waited_seconds});
-  const std::vector<std::string> hosts = hosts_of(ranks);
+  const Json rows = rank_rows(ranks, clock, {{"cells", cells.own.size()}});
   if (!is_first) return;
 
   const bool measured = cells.hierarchy.provenance.measured_errors;
-  Json per_rank = Json::array();
-  for (std::size_t r = 0; r < figures.size(); ++r)
-    per_rank.push_back({{"rank", r},
-                        {"host", hosts[r]},
-                        {"cells", figures[r].cells},
-                        {"bytes_sent", figures[r].bytes_sent},
-                        {"waited_seconds", figures[r].waited_seconds},
-                        {"cpu_seconds", figures[r].cpu_seconds},
-                        {"peak_bytes", figures[r].peak_bytes}});
   Json json = to_json(report, options.file, measured);
-  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", per_rank}});
+  json.update({{"seconds", clock.elapsed().seconds}, {"threads", scheduler->workers()}, {"ranks", rows}});
   write_result(common, json);
   if (common.prints()) print_report(report, options.file, measured);
   require_valid(report, options.file);
