@@ -154,7 +154,7 @@ class WholeReport(CommandCase):
     def test_pictures_are_limited(self):
         page = self.page("--pictures", 0)
         self.assertEqual(page.images, [])
-        self.assertIn("Left out for their size (--pictures): 8 pictures", page.text)
+        self.assertIn("Left out for their size (--pictures): 12 pictures", page.text)
 
     def test_summary_on_the_terminal(self):
         told = self.lodestone("report", "ablation", "-o", "report.html")
