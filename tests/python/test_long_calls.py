@@ -61,12 +61,12 @@ def test_other_threads_run(large):
 
 def test_ctrl_c(large):
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    begin = time.monotonic()
+    begin = time.process_time()
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         while True:
             lodestone.build(large)
-    assert time.monotonic() - begin < 5
+    assert time.process_time() - begin < 5
     # And the next call knows nothing of it.
     assert lodestone.build(large, cell_triangles=100000).finest >= 1
 
@@ -128,12 +128,12 @@ def test_text_files_report_and_stop(text_files, large):
 
     for file in text_files:
         assert shares_of("reading", lambda progress: lodestone.read(file, progress=progress))[-1] > 0.5
-        begin = time.monotonic()
+        begin = time.process_time()
         lodestone.read(file)
-        whole, begin = time.monotonic() - begin, time.monotonic()
+        whole, begin = time.process_time() - begin, time.process_time()
         with pytest.raises(Stop, match="reading"):
             lodestone.read(file, progress=stop_midway)
-        assert time.monotonic() - begin < 0.7 * whole + 0.1
+        assert time.process_time() - begin < 0.7 * whole + 0.1
         with pytest.raises(Stop, match="reading"):
             lodestone.build(file, progress=stop_midway)
         assert len(lodestone.read(file).triangles) == len(large.triangles)
@@ -144,10 +144,10 @@ def test_generate_reports_and_stops():
         return lodestone.generate("terrain", triangles=3000000, threads=1, progress=progress)
 
     assert len(shares_of("generating", generate)) > 1
-    begin = time.monotonic()
+    begin = time.process_time()
     with pytest.raises(Stop, match="generating"):
         generate(stop)
-    assert time.monotonic() - begin < 5
+    assert time.process_time() - begin < 5
     one, four = (lodestone.generate("torus", triangles=200000, threads=n) for n in (1, 4))
     assert (one.positions == four.positions).all() and (one.triangles == four.triangles).all()
 
@@ -156,12 +156,12 @@ def test_verify_reports_and_stops(large):
     hierarchy = lodestone.build(large)
     shares = shares_of("verifying", lambda progress: lodestone.verify(hierarchy, progress=progress))
     assert len(shares) > 2 and shares[-1] == 1
-    begin = time.monotonic()
+    begin = time.process_time()
     lodestone.verify(hierarchy)
-    whole, begin = time.monotonic() - begin, time.monotonic()
+    whole, begin = time.process_time() - begin, time.process_time()
     with pytest.raises(Stop, match="verifying"):
         lodestone.verify(hierarchy, progress=stop)
-    assert time.monotonic() - begin < 0.9 * whole
+    assert time.process_time() - begin < 0.9 * whole
 
 
 def test_calls_in_several_threads(tmp_path):
