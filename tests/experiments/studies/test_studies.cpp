@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/sweep/run_folder.h"
 #include "tests/expect_error.h"
 #include "tests/experiments/studies/study_case.h"
 
@@ -150,7 +151,7 @@ TEST_P(EachStudy, HasItsColumnsVerifiesAndRefusesWrongRows) {
   for (const ColumnInfo& column : find_experiment(name).columns)
     EXPECT_TRUE(std::ranges::any_of(rows, [&](const Row& row) { return row.contains(column.name); })) << column.name;
   for (const std::filesystem::path& file : std::filesystem::directory_iterator(folder_))
-    EXPECT_TRUE(file.extension() == ".png" || file == sphere_ || file == scene_) << file;
+    EXPECT_TRUE(is_picture(file) || file == sphere_ || file == scene_) << file;
 
   EXPECT_NE(joined(faults(name, given, {})), "");
   std::vector<Lie> all = lies;
