@@ -164,6 +164,7 @@ bool is_binary_stl(std::string_view head, std::uint64_t size) {
 }
 
 bool is_complete_stl(std::string_view head, std::uint64_t size) {
+  if (head.size() < stl_header_bytes) return false;
   const std::uint64_t facets = declared_stl_facets(head);
   return facets > 0 && size >= stl_header_bytes + stl_facet_bytes * facets;
 }
