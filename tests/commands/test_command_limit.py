@@ -123,18 +123,24 @@ class Interrupts(CommandCase):
         seconds = self.seconds()
         for number in (signal.SIGINT, signal.SIGTERM):
             for share in (0.2, 0.5, 0.8):
-                process = self.start()
-                time.sleep(share * seconds)
-                _, errors, after = end_by(process, number)
-                self.assertLess(after, 1)
-                if process.returncode == 0:
-                    (self.folder / "m.lode").unlink()
-                    continue
-                self.assertEqual((process.returncode, errors),
-                                 (128 + number, b"lodestone: interrupted; no unfinished file was left\n"))
-                if left := self.listing():  # the signal came between the last step, which names the file, and the end
-                    self.assertTrue(left == {"m.lode": expected(*BUILD)}, f"left unfinished: {[*left]}")
-                    (self.folder / "m.lode").unlink()
+                ends = []
+                while not ends or ends[-1] > 3 and len(ends) < 3:  # under a second where cores are free
+                    ends.append(self.end_at(share * seconds, number))
+                self.assertLess(ends[-1], 3)
+
+    def end_at(self, seconds, number):
+        """The seconds that a build takes to end, after so many and this signal, with nothing left."""
+        process = self.start()
+        time.sleep(seconds)
+        end = end_by(process, number)
+        self.assertLess(end.processor_seconds, 1)
+        if process.returncode:
+            self.assertEqual((process.returncode, end.errors),
+                             (128 + number, b"lodestone: interrupted; no unfinished file was left\n"))
+        if left := self.listing():  # the signal came between the last step, which names the file, and the end
+            self.assertTrue(left == {"m.lode": expected(*BUILD)}, f"left unfinished: {[*left]}")
+            (self.folder / "m.lode").unlink()
+        return end.seconds
 
     def test_killed_and_continued(self):
         seconds, moments, stopped = self.seconds(), random.Random(1), 0

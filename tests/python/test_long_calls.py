@@ -61,12 +61,12 @@ def test_other_threads_run(large):
 
 def test_ctrl_c(large):
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    begin = time.process_time()
+    begin = time.monotonic()
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         while True:
             lodestone.build(large)
-    assert time.process_time() - begin < 5
+    assert time.monotonic() - begin < 5
     # And the next call knows nothing of it.
     assert lodestone.build(large, cell_triangles=100000).finest >= 1
 
@@ -144,10 +144,10 @@ def test_generate_reports_and_stops():
         return lodestone.generate("terrain", triangles=3000000, threads=1, progress=progress)
 
     assert len(shares_of("generating", generate)) > 1
-    begin = time.process_time()
+    begin = time.monotonic()
     with pytest.raises(Stop, match="generating"):
         generate(stop)
-    assert time.process_time() - begin < 5
+    assert time.monotonic() - begin < 5
     one, four = (lodestone.generate("torus", triangles=200000, threads=n) for n in (1, 4))
     assert (one.positions == four.positions).all() and (one.triangles == four.triangles).all()
 

@@ -70,7 +70,7 @@ async function testPictures(browser) {
     await Promise.all(images.map((image) => image.decode()));
     return images.map((image) => image.naturalWidth);
   });
-  check(sizes.length === 12 && sizes.every((w) => w === 160 || w === 1), 'all pictures decode');
+  check(sizes.filter((w) => w === 160).length === 8 && sizes.filter((w) => w === 1).length === 4, 'all pictures decode');
   await page.locator('.picture button').first().click();
   check(await page.locator('dialog[open] img').isVisible(), 'a click enlarges a picture');
   await page.keyboard.press('Escape');

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "core/base/error.h"
@@ -20,10 +18,7 @@ namespace {
 class FlightPicturesTest : public FolderTest {
  protected:
   [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string bytes(const char* name) const {
-    std::ifstream in(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
+  [[nodiscard]] std::string bytes(const char* name) const { return content(folder_ / name); }
 };
 
 Image flat(ImageSize size, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -42,18 +41,18 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
 
 TEST_F(Studies, VirtualWorkersComeAfterThoseThatAreMeasured) {
   const Row given = with(shallow, {{"threads", 2}, {"rounds", 1}, {"array", 1}, {"virtual_workers", 16}});
+  generate_ply({Shape::sphere, 50'000, 1}, sphere_, *make_serial_scheduler());  // large enough to have a longest step
   const std::vector<Row> rows = rows_of("schedule", given);
   ASSERT_EQ(rows.size(), 4u);
+  // The slowdown of jobs beside each other is measured, and depends on what else the machine has to do.
+  const auto undisturbed = [&](std::size_t i) { return number(rows[i], "speedup") * number(rows[i], "slowdown"); };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(number(rows[i], "workers"), (std::array{1, 2, 4, 16}[i]));
     EXPECT_EQ(rows[i].at("measured").is_null(), i >= 2);
-    EXPECT_GT(number(rows[i], "speedup"), i == 0 ? 0.999 : 0);
+    EXPECT_GE(undisturbed(i), i == 0 ? 0.999 : undisturbed(i - 1) * 0.9);
     EXPECT_LE(number(rows[i], "speedup"), number(rows[i], "parallelism") * (1 + 1e-9));
   }
-  // Which steps take most of a build so small is the machine's to say.
-  const std::regex shares("[a-z][^,]* \\d+ %(, [a-z][^,]* \\d+ %)*");
-  const auto critical = rows[0].at("critical").get<std::string>();
-  EXPECT_TRUE(std::regex_match(critical, shares)) << critical;
+  EXPECT_NE(rows[0].at("critical").get<std::string>().find("partition"), std::string::npos);
 }
 
 TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
