@@ -250,6 +250,11 @@ async function testStreaming(browser) {
   check(await triangles() > 2 * part && counts.length > 3 && counts.every((n, k) => k === 0 || n >= counts[k - 1]),
         `the rest flows in: ${[...new Set(counts)]} vertices`);
   check(!await page.isVisible('#labels progress'), 'then no bar is left');
+  await keep(page, 'streamed');
+  await page.click('#home');
+  await quiet();
+  await keep(page, 'home');
+  check(await differ(page, 'streamed', 'home', 0) === 0, 'and the view is that of the whole model');
   await close();
 }
 

@@ -179,8 +179,7 @@ class Page {
 
   // What differs from the view by itself goes into the address.
   tell() {
-    const pose = this.pose(), same = !this.home || pose.flat().every((x, k) => Math.abs(x - this.home[k]) < 1e-6);
-    const {automatic, byItself} = this, camera = this.asked ?? (same ? null : pose);
+    const {automatic, byItself} = this, camera = this.asked ?? (this.atHome ? null : this.pose());
     const level = !automatic && (this.slider < 1 || byItself) ? this.slider : null;
     const pixels = automatic && !(byItself && this.pixels === 0.5) ? this.pixels : null;
     const hash = toHash({camera, level, pixels, look: $('look').value, edges: $('edges').checked});
@@ -189,6 +188,7 @@ class Page {
     history.replaceState(null, '', this.hash || location.pathname + location.search);
   }
 
+  get atHome() { return !this.home || this.pose().flat().every((x, k) => Math.abs(x - this.home[k]) < 1e-6); }
   pose() { return [this.camera.position.toArray(), this.controls.target.toArray()]; }
 
   // One line about what went wrong; more of them below each other.
@@ -222,8 +222,9 @@ class Page {
     };
     const show = async (mesh) => {
       await view.setMesh(mesh);
-      if (this.models.includes(view)) this.wake();
-      else this.add(view, order);
+      if (!this.models.includes(view)) this.add(view, order);
+      else if (this.asked || this.atHome) this.frameAll();  // a finer part can be larger
+      else this.wake();
     };
     await streamMesh(url, name, {show, count});
     view.arrived = null;
