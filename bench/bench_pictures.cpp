@@ -13,6 +13,7 @@
 #include "experiments/metrics/pictures/image_quality.h"
 #include "experiments/metrics/pictures/ssim.h"
 #include "experiments/metrics/pops/image_pops.h"
+#include "experiments/metrics/pops/step_visibility.h"
 #include "experiments/systems/system_pictures.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/build.h"
@@ -82,7 +83,10 @@ void absolute(benchmark::State& state) {
   measure(state, [](const Subject& s) { return absolute_error(s.full[0].image, s.drawn[0].image); });
 }
 void picture_pops(benchmark::State& state) {
-  measure(state, [](const Subject& s) { return image_pops(s.frame(0), s.frame(1), *s.one); });
+  measure(state, [](const Subject& s) { return change_maps(s.frame(0), s.frame(1), *s.one); });
+}
+void visible_steps(benchmark::State& state) {
+  measure(state, [](const Subject& s) { return step_visibility(s.error[0].value, s.size, *s.one); });
 }
 void leaks(benchmark::State& state) {
   measure(state, [](const Subject& s) {
@@ -104,6 +108,7 @@ BENCHMARK(flip)->Unit(benchmark::kMillisecond);
 BENCHMARK(flip_everywhere)->Unit(benchmark::kMillisecond);
 BENCHMARK(structural_similarity_everywhere)->Unit(benchmark::kMillisecond);
 BENCHMARK(picture_pops)->Unit(benchmark::kMillisecond);
+BENCHMARK(visible_steps)->Unit(benchmark::kMillisecond);
 BENCHMARK(leaks)->Unit(benchmark::kMillisecond);
 BENCHMARK(junctions)->Unit(benchmark::kMillisecond);
 

@@ -1,8 +1,9 @@
 #include "experiments/studies/frame_measures.h"
 
+#include <memory>
 #include <utility>
 
-#include "experiments/metrics/pictures/flip.h"
+#include "experiments/metrics/pictures/image_quality.h"
 
 namespace lodestone {
 
@@ -24,22 +25,10 @@ SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, const Shot& shot
 
 PictureSample PictureMeasures::measure(const Image& picture, Image full, const ViewProjection& view_projection,
                                        bool follows) {
-  Frame now{std::move(full), {}, {}, view_projection};
-  now.absolute = absolute_error(now.full, picture);
-  now.flip = flip_error(now.full, picture, scheduler_);
-  PictureSample sample;
-  ImageQualityConfig config;
-  config.with_flip = false;
-  sample.quality = image_quality(now.full, picture, scheduler_, config);
-  sample.quality.flip = summarise(now.flip.value);
-  if (follows && previous_) {
-    const auto errors = [](const Frame& frame) {
-      return ErrorFrame{{&frame.absolute, &frame.flip}, &frame.full, frame.view_projection};
-    };
-    const std::vector<ImagePops> pops = image_pops(errors(*previous_), errors(now), scheduler_);
-    sample.pops = pops[0], sample.flip_pops = pops[1];
-  }
-  previous_ = std::move(now);
+  const auto shown = std::make_shared<const Image>(std::move(full));
+  PictureErrors errors = picture_errors(*shown, picture, scheduler_);
+  PictureSample sample{errors.quality, {}};
+  sample.pops = pops_.next(picture_frame(errors, picture, shown, view_projection), follows);
   return sample;
 }
 

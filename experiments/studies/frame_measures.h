@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "experiments/metrics/pictures/error_map.h"
+#include "experiments/metrics/pops/picture_pops.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/subjects/frame_proof.h"
@@ -34,19 +34,14 @@ class SurfaceMeasures {
 // Pictures against those of the full model.
 class PictureMeasures {
  public:
-  explicit PictureMeasures(Scheduler& scheduler) : scheduler_(scheduler) {}
+  explicit PictureMeasures(Scheduler& scheduler) : scheduler_(scheduler), pops_(scheduler) {}
 
   [[nodiscard]] PictureSample measure(const Image& picture, Image full, const ViewProjection& view_projection,
                                       bool follows);
 
  private:
-  struct Frame {
-    Image full;
-    ErrorMap absolute, flip;
-    ViewProjection view_projection;
-  };
   Scheduler& scheduler_;
-  std::optional<Frame> previous_;
+  PopTracker pops_;
 };
 
 }  // namespace lodestone

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/metrics/pictures/image_quality.h"
-#include "experiments/metrics/pops/image_pops.h"
+#include "experiments/metrics/pops/picture_pops.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/verdict.h"
 
@@ -13,7 +13,7 @@ namespace lodestone {
 
 struct PictureSample {
   ImageQuality quality;
-  std::optional<ImagePops> pops, flip_pops;  // where it follows the frame before
+  std::optional<PicturePops> pops;  // where it follows the frame before
 };
 
 // Pictures one by one, as columns.

@@ -110,9 +110,7 @@ void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFl
         for (const SystemModel& model : drawn.models) bytes += static_cast<double>(drawn_bytes(model));
         screen_error = std::max(screen_error, frame.screen_error.value_or(0));
         shift = std::max(shift, frame.shift_pixels.value_or(0));
-        PictureSample sample{frame.quality, {}, {}};
-        if (frame.frame > 0) sample.pops = frame.pops, sample.flip_pops = frame.flip_pops;
-        seen.add(std::move(sample));
+        seen.add({frame.quality, frame.pops});
         shown.offer(drawn.image, full, frame.quality.flip.mean);
         study.context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
       });

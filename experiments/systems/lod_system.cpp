@@ -8,6 +8,7 @@
 #include "core/base/registry.h"
 #include "core/hierarchy/model/distance_metric.h"
 #include "experiments/systems/cluster_dag_system.h"
+#include "experiments/systems/known_step_system.h"
 #include "experiments/systems/progressive_systems.h"
 #include "experiments/systems/terrain_systems.h"
 #include "experiments/systems/tiles_system.h"
@@ -57,6 +58,7 @@ Registry<LodSystem>& systems() {
       ours.add(skirts ? "tiles-replace-skirts" : "tiles-replace", tiles_system(skirts));
     ours.add("chunked-skirts", chunked_system());
     ours.add("clipmap", clipmap_system());
+    ours.add("known-step", known_step_system());
     ours.add(std::string(full_system),
              {"the finest level, what the others are measured against", [](const SystemQuery& q) {
                 return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};

@@ -104,6 +104,7 @@ void add_lod_system(const std::string& name, LodSystem system);
 // "vdpm": a progressive mesh, refined where it is seen.
 // "tiles-replace", "tiles-replace-skirts": tiles that are simplified alone and replace each other.
 // "chunked-skirts", "clipmap": of height fields; chunks of a quadtree, and nested grids around the viewer.
+// "known-step": the finest level, which steps aside by the tolerance now and then.
 // "full": M_L, what the others are measured against.
 // Then what was added.
 [[nodiscard]] std::vector<std::string> lod_system_names();

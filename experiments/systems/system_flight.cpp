@@ -16,7 +16,7 @@ namespace {
 
 // State that a frame of one system leaves for the next one.
 struct Past {
-  ErrorMap absolute, flip;
+  PopTracker pops;
   std::vector<std::unique_ptr<FrameProof>> proofs;  // of the models
   std::vector<std::unique_ptr<MeasuredSurface>> surfaces;
   std::vector<PlacedFrame> placed;  // points of patches
@@ -26,8 +26,11 @@ class Flight {
  public:
   Flight(SceneView& scene, Renderer& renderer, const SystemFlightConfig& config, Scheduler& scheduler)
       : config_(config), scheduler_(scheduler), pictures_(scene, renderer, scheduler, config.system) {
-    past_.resize(config.systems.size());
-    for (Past& past : past_) past.surfaces.resize(scene.model_count()), past.placed.resize(scene.model_count());
+    for (std::size_t s = 0; s < config.systems.size(); ++s)
+      past_.push_back({.pops = PopTracker(scheduler, config.pops),
+                       .proofs = {},
+                       .surfaces = std::vector<std::unique_ptr<MeasuredSurface>>(scene.model_count()),
+                       .placed = std::vector<PlacedFrame>(scene.model_count())});
     const bool patches = config.geometry &&
                          std::ranges::any_of(config.systems, [](auto& name) { return bool(lod_system(name).patches); });
     for (std::size_t m = 0; (patches || config.screen) && m < scene.model_count(); ++m) {
@@ -44,22 +47,21 @@ class Flight {
 
   void fly(std::size_t frame, const OnSystemRow& on_row, std::vector<SystemRow>& rows) {
     const Camera& camera = config_.cameras[frame];
-    SystemPicture full = pictures_.draw(full_system, camera, config_.view);
-    if (full.image.depth.empty()) throw InputError("LOD systems are compared in pictures; this backend draws none");
+    SystemPicture whole = pictures_.draw(full_system, camera, config_.view);
+    const auto full = std::make_shared<const Image>(std::move(whole.image));
+    if (full->depth.empty()) throw InputError("LOD systems are compared in pictures; this backend draws none");
     for (std::size_t s = 0; s < config_.systems.size(); ++s) {
       if (config_.cancel && *config_.cancel) throw Cancelled{};
       SystemPicture drawn = pictures_.draw(config_.systems[s], camera, config_.view);
       SystemRow row = start_row(frame, s, drawn);
-      PictureErrors errors = picture_errors(full.image, drawn.image, scheduler_, config_.quality);
+      PictureErrors errors = picture_errors(*full, drawn.image, scheduler_, config_.quality);
       row.quality = errors.quality;
-      if (frame > 0) measure_pops(past_[s], errors, full, row);
-      if (config_.geometry) row.surface = measure_surface(drawn, full.image, past_[s], row);
+      row.pops = past_[s].pops.next(picture_frame(errors, drawn.image, full, whole.models.front().view_projection));
+      if (config_.geometry) row.surface = measure_surface(drawn, *full, past_[s], row);
       if (config_.screen) measure_screen(drawn, past_[s], row);
       rows.push_back(row);
-      if (on_row) on_row(row, drawn, full.image);
-      past_[s].absolute = std::move(errors.absolute), past_[s].flip = std::move(errors.flip);
+      if (on_row) on_row(row, drawn, *full);
     }
-    full_before_ = std::move(full);
   }
 
  private:
@@ -73,18 +75,6 @@ class Flight {
     if (total != drawn.stats.milliseconds.end()) row.milliseconds = total->second;
     row.pictures = drawn.pictures;
     return row;
-  }
-
-  void measure_pops(const Past& past, const PictureErrors& errors, const SystemPicture& full, SystemRow& row) {
-    const auto frame = [&](const ErrorMap& absolute, const ErrorMap& flip, const SystemPicture& picture) {
-      ErrorFrame made{{&absolute}, &picture.image, picture.models.front().view_projection};
-      if (config_.quality.with_flip) made.errors.push_back(&flip);
-      return made;
-    };
-    const std::vector<ImagePops> pops = image_pops(frame(past.absolute, past.flip, full_before_),
-                                                   frame(errors.absolute, errors.flip, full), scheduler_, config_.pops);
-    row.pops = pops.front();
-    if (config_.quality.with_flip) row.flip_pops = pops.back();
   }
 
   SurfaceSample measure_surface(const SystemPicture& drawn, const Image& full, Past& past, const SystemRow& row) const {
@@ -144,7 +134,6 @@ class Flight {
   std::vector<std::unique_ptr<MeasuredSurface>> full_;  // by model
   std::vector<PatchProof> patch_proofs_;                // by model, where a system has patches
   std::vector<Past> past_;                              // by system
-  SystemPicture full_before_;
 };
 
 void check(const SystemFlightConfig& config) {

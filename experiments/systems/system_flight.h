@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "experiments/metrics/pictures/image_quality.h"
-#include "experiments/metrics/pops/image_pops.h"
+#include "experiments/metrics/pops/picture_pops.h"
 #include "experiments/subjects/frame_proof.h"
 #include "experiments/systems/system_pictures.h"
 #include "parallel/scheduler/scheduler.h"
@@ -36,8 +36,7 @@ struct SystemRow {
   double milliseconds = 0;                 // by the renderer
   int pictures = 1;                        // drawn for this frame
   ImageQuality quality;                    // against the full model
-  ImagePops pops;                          // of absolute differences, since the frame before
-  ImagePops flip_pops;                     // of FLIP, likewise
+  std::optional<PicturePops> pops{};       // since the frame before
   // Cracks and jumps over all models, if measured. A cross-fade moves no vertex: its changes are in the pictures alone,
   // and there are no jumps. The bound of jumps is that of the morph by the view's own blend, for discrete and step,
   // too.

@@ -50,6 +50,7 @@ JUMPS = [JUMP, STEP, BOUND, VACUOUS]
 FRAME, WORST, FRAME_CPU = ("ms a frame", "frame_ms"), ("slowest, ms", "frame_ms_worst"), ("CPU ms", "frame_cpu_ms")
 IMAGE, FLIP = ("image error, %", "image_error"), ("FLIP", "flip")
 POP, FLIP_POP, AREA = ("pop p99, %", "pop_p99"), ("FLIP pop p99", "flip_pop_p99"), ("FLIP pop area", "flip_pop_area")
+VISIBLE, VISIBLE_AREA = ("visible pop p99, thresholds", "visible_pop_p99"), ("visible pop area", "visible_pop_area")
 SURFACE, DRAWN = ("surface triangles", "surface_triangles"), ("triangles drawn", "triangles")
 CELL, SELECT, OVER_BORDER = ("cell triangles", "cell_triangles"), ("select, ms", "select_ms"), ("kappa0 / rho", "over_border")
 RATE, STORED = ("Mtri per core-second", "mtri_per_core_second"), ("stored / input", "stored_ratio")
@@ -228,15 +229,20 @@ PAGES = [
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
-               ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE,
-               FRAME, WORST, ("drawn MB", "drawn_bytes", MB), ("peak MB", "peak_bytes", MB),
+               ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, VISIBLE,
+               SURFACE, FRAME, WORST, ("drawn MB", "drawn_bytes", MB), ("peak MB", "peak_bytes", MB),
                ("to make, CPU s", "make_cpu_seconds")]),
+        Table("Measures of pops, of a step of known size", ("calibration",),
+              [DATA, ("part of the orbit", "to"), ("step, pixels", "pixel_error"), JUMP, POP, ("pop area, pixels", "pop_area"), FLIP_POP,
+               AREA, VISIBLE, ("largest, thresholds", "visible_pop_max"), VISIBLE_AREA],
+              "`known-step` draws the finest level, which steps aside in about half of the frames; all frames are on the same part "
+              "of the orbit, so that the longer one is the quicker one."),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
        "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns.",
        Correlation("How far measures of pops agree", ("scans", "generated", "orbit", "others", "terrain"),
                    [JUMP, ("shift, pixels", "shift_pixels"), POP, ("pop area, pixels", "pop_area"), FLIP_POP, AREA,
-                    ("FLIP", "flip"), ("screen error, pixels", "screen_error")], ("data", "camera", "pixel_error"))),
+                    VISIBLE, VISIBLE_AREA, ("FLIP", "flip"), ("screen error, pixels", "screen_error")], ("data", "camera", "pixel_error"))),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,

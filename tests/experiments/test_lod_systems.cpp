@@ -213,7 +213,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
     }
     add(w.surface, surface);
     w.pictures = std::max(w.pictures, row.pictures);
-    w.changed = std::max(w.changed, row.pops.changed_share);
+    if (row.pops) w.changed = std::max(w.changed, row.pops->absolute.changed_share);
   }
   const Worst &morph = worst["morph"], &step = worst["step"], &discrete = worst["discrete"],
               &fade = worst["cross-fade"];

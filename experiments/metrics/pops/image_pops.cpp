@@ -16,7 +16,6 @@ namespace lodestone {
 namespace {
 
 constexpr std::size_t rows_per_chunk = 8;
-constexpr float no_predecessor = -1;
 
 std::size_t pixel_count(ImageSize size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
@@ -197,7 +196,7 @@ class PixelPops {
     const Predecessors found = past_.around(origin);
     if (found.count == 0) return;
     for (std::size_t m = 0; m < maps.size(); ++m)
-      maps[m][pixel] = std::abs(now_.errors[m]->value[pixel] - found.interpolate(before_.errors[m]->value));
+      maps[m][pixel] = now_.errors[m]->value[pixel] - found.interpolate(before_.errors[m]->value);
   }
 
  private:
@@ -210,7 +209,7 @@ class PixelPops {
         low = std::min(low, e), high = std::max(high, e);
       });
       const float e = now_.errors[m]->value[pixel];
-      if (low <= high) maps[m][pixel] = std::max({low - e, e - high, 0.0f});
+      if (low <= high) maps[m][pixel] = e - std::clamp(e, low, high);
     }
   }
 
@@ -219,26 +218,10 @@ class PixelPops {
   int neighbourhood_;
 };
 
-ImagePops pops_of(const std::vector<float>& map, ImageSize size, double threshold) {
-  std::vector<float> followed;
-  followed.reserve(map.size());
-  std::copy_if(map.begin(), map.end(), std::back_inserter(followed), [](float v) { return v >= 0; });
-  const ErrorSummary summary = summarise(followed, threshold);
-  ImagePops pops;
-  pops.p50 = summary.p50, pops.p99 = summary.p99, pops.max = summary.max, pops.mean = summary.mean;
-  pops.changed_share = summary.share_above;
-  pops.changed = static_cast<std::uint64_t>(
-      std::count_if(followed.begin(), followed.end(), [&](float v) { return v > threshold; }));
-  pops.largest_changed = largest_connected_area(map, size, threshold);
-  pops.pixels = followed.size();
-  pops.without_predecessor = map.size() - followed.size();
-  return pops;
-}
-
 }  // namespace
 
-std::vector<std::vector<float>> pop_maps(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                                         const ImagePopConfig& config) {
+std::vector<std::vector<float>> change_maps(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                                            const ImagePopConfig& config) {
   check(before, now, config);
   const Reprojection reprojection(before, now);
   const PixelPops pops(before, now, config);
@@ -253,11 +236,22 @@ std::vector<std::vector<float>> pop_maps(const ErrorFrame& before, const ErrorFr
   return maps;
 }
 
-std::vector<ImagePops> image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                                  const ImagePopConfig& config) {
-  std::vector<ImagePops> pops;
-  for (const std::vector<float>& map : pop_maps(before, now, scheduler, config))
-    pops.push_back(pops_of(map, now.full->size, config.threshold));
+ImagePops summarise_pops(std::span<const float> changes, ImageSize size, double threshold) {
+  std::vector<float> map, followed;
+  map.reserve(changes.size()), followed.reserve(changes.size());
+  for (const float change : changes) {
+    const bool known = change != no_predecessor;
+    map.push_back(known ? std::abs(change) : 0);
+    if (known) followed.push_back(map.back());
+  }
+  const ErrorSummary summary = summarise(followed, threshold);
+  ImagePops pops;
+  pops.p50 = summary.p50, pops.p99 = summary.p99, pops.max = summary.max, pops.mean = summary.mean;
+  pops.changed_share = summary.share_above;
+  pops.changed = static_cast<std::uint64_t>(std::ranges::count_if(followed, [&](float v) { return v > threshold; }));
+  pops.largest_changed = largest_connected_area(map, size, threshold);
+  pops.pixels = followed.size();
+  pops.without_predecessor = map.size() - followed.size();
   return pops;
 }
 

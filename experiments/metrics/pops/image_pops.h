@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -47,15 +48,17 @@ struct ImagePops {
   std::uint64_t without_predecessor = 0;
 };
 
-// For each error map by pixel of frame `now`; -1 where there is no predecessor.
-[[nodiscard]] std::vector<std::vector<float>> pop_maps(const ErrorFrame& before, const ErrorFrame& now,
-                                                       Scheduler& scheduler, const ImagePopConfig& config = {});
+// Instead of the change of a pixel without a predecessor.
+inline constexpr float no_predecessor = std::numeric_limits<float>::infinity();
 
-// For each error map. Throws InputError when there is none or not the same number, when a picture has no depth, when
-// sizes are not the same, when a matrix cannot be inverted, or when the configuration is out of range. The same bytes
-// for any number of workers.
-[[nodiscard]] std::vector<ImagePops> image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                                                const ImagePopConfig& config = {});
+// For each error map by pixel of frame `now`: pop_t with its sign, or no_predecessor. Throws InputError when there is
+// no map or not the same number, when a picture has no depth, when sizes are not the same, when a matrix cannot be
+// inverted, or when the configuration is out of range. The same bytes for any number of workers.
+[[nodiscard]] std::vector<std::vector<float>> change_maps(const ErrorFrame& before, const ErrorFrame& now,
+                                                          Scheduler& scheduler, const ImagePopConfig& config = {});
+
+// One such map of a picture, whatever the sign; pixels that change by more than the threshold have popped.
+[[nodiscard]] ImagePops summarise_pops(std::span<const float> changes, ImageSize size, double threshold);
 
 // Size of the largest set of pixels above the threshold that hang together by sides or corners.
 [[nodiscard]] std::uint64_t largest_connected_area(std::span<const float> values, ImageSize size, double threshold);

@@ -254,13 +254,16 @@ TEST(PictureSummary, TakesPopsOfPairsThatHavePixelsInCommon) {
       }
     }
   };
-  const PictureSample first{picture(0.01, 0.2, 40, 0.9, 0.25), {}, {}};
+  const PictureSample first{picture(0.01, 0.2, 40, 0.9, 0.25), {}};
   PictureSample second = first, third = first, apart = first;
-  second.pops = ImagePops{0.01, 0.1, 0.5, 0.02, 0.25, 20, 15, 80, 20};
-  second.flip_pops = ImagePops{0.02, 0.3, 0.4, 0.05, 0.5, 40, 30, 80, 20};
-  third.pops = ImagePops{0.03, 0.05, 0.25, 0.04, 0.125, 10, 7, 90, 10};
-  third.flip_pops = ImagePops{0.01, 0.2, 0.6, 0.01, 0.25, 20, 10, 90, 10};
-  apart.pops = apart.flip_pops = ImagePops{.without_predecessor = 100};
+  second.pops = PicturePops{{0.01, 0.1, 0.5, 0.02, 0.25, 20, 15, 80, 20},
+                            {0.02, 0.3, 0.4, 0.05, 0.5, 40, 30, 80, 20},
+                            {0.5, 2, 3, 0.75, 0.125, 10, 5, 80, 20}};
+  third.pops = PicturePops{{0.03, 0.05, 0.25, 0.04, 0.125, 10, 7, 90, 10},
+                           {0.01, 0.2, 0.6, 0.01, 0.25, 20, 10, 90, 10},
+                           {0.25, 1, 4, 0.25, 0.0625, 5, 3, 90, 10}};
+  constexpr ImagePops nothing{.without_predecessor = 100};
+  apart.pops = PicturePops{nothing, nothing, nothing};
   const Row both = {{"image_error", 1.0},
                     {"flip", 0.25},
                     {"pop_p50", 3.0},
@@ -275,13 +278,22 @@ TEST(PictureSummary, TakesPopsOfPairsThatHavePixelsInCommon) {
                     {"flip_pop_max", 0.6},
                     {"flip_pop_mean", 0.03},
                     {"flip_pop_changed", 50.0},
-                    {"flip_pop_area", 30.0}};
+                    {"flip_pop_area", 30.0},
+                    {"visible_pop_p50", 0.5},
+                    {"visible_pop_p99", 2.0},
+                    {"visible_pop_max", 4.0},
+                    {"visible_pop_mean", 0.5},
+                    {"visible_pop_changed", 12.5},
+                    {"visible_pop_area", 5.0}};
   expect({first, second, third}, both);
   Row without = both;
   without["without_predecessor"] = 100.0;
   expect({first, second, third, apart}, without);
-  expect({first, apart},
-         {{"flip", 0.25}, {"pop_mean", Row()}, {"flip_pop_p99", Row()}, {"without_predecessor", 100.0}});
+  expect({first, apart}, {{"flip", 0.25},
+                          {"pop_mean", Row()},
+                          {"flip_pop_p99", Row()},
+                          {"visible_pop_max", Row()},
+                          {"without_predecessor", 100.0}});
   expect({first}, {{"flip", 0.25}, {"pop_mean", Row()}, {"without_predecessor", Row()}});
 }
 

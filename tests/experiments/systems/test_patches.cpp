@@ -116,5 +116,27 @@ TEST(PatchProof, ExpectsBordersWhereTheirPointsAreDrawn) {
   EXPECT_EQ(proof.measure({moved, {}, {}}, screen, {}).open_edges, 2u * (149 + 100));
 }
 
+// Tolerances hold in the corners of the picture, where a step is seen as larger than in the middle. While the camera comes
+// nearer, steps get smaller, which moves a model that stays aside.
+TEST(KnownStep, PopsByTheToleranceAndNothingElse) {
+  for (const float pixels : {0.25f, 1.0f, 4.0f}) {
+    std::size_t steps = 0, rests = 0;
+    double visible = 0;
+    for (const SystemRow& row : fly(torus(), {"known-step"}, pixels, 12)) {
+      EXPECT_EQ(row.surface.value().open_edges, 0u);
+      EXPECT_EQ(row.surface->t_junctions.value(), 0u);
+      EXPECT_LE(row.screen_error.value(), 1.01 * pixels);
+      if (!row.surface->jump) continue;
+      const double jump = row.surface->jump->pixels;
+      EXPECT_LE(jump, 1.01 * pixels);
+      if (jump > 0.5 * pixels) visible = std::max(visible, row.pops.value().visible.max);
+      (jump > 0.5 * pixels ? steps : rests) += 1;
+      EXPECT_TRUE(jump > 0.5 * pixels || jump < 0.2 * pixels) << jump;
+    }
+    EXPECT_GT(std::min(steps, rests), 1u);
+    EXPECT_GT(visible, 1);
+  }
+}
+
 }  // namespace
 }  // namespace lodestone

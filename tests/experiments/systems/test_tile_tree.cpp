@@ -119,7 +119,8 @@ TEST(TilesReplace, CracksAndSkirtsCoverThem) {
 TEST(OwnSurfaces, RefuseAttributes) {
   Hierarchy coloured = torus();
   coloured.attributes.colours = true;
-  for (const std::string system : {"tiles-replace", "vdpm", "progressive-whole", "clipmap", "chunked-skirts"})
+  for (const std::string system :
+       {"tiles-replace", "vdpm", "progressive-whole", "clipmap", "chunked-skirts", "known-step"})
     expect_error_of<InputError>([&] { (void)lod_system(system).patches(coloured, *make_serial_scheduler()); },
                                 {system, "positions and normals alone"});
 }
