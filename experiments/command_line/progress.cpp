@@ -51,22 +51,27 @@ std::string progress_line(const std::string& label, double share, double seconds
   return line;
 }
 
-Progress::Progress(std::string label, bool quiet)
-    : label_(std::move(label)),
-      shown_(!quiet && isatty(STDERR_FILENO)),
-      start_(Clock::now()),
-      phase_start_(start_),
-      last_(start_) {}
+Progress::Progress(std::string label, bool quiet, Start start)
+    : label_(std::move(label)), start_(Clock::now()), phase_start_(start_), last_(start_) {
+  if (quiet) return;
+  if (isatty(STDERR_FILENO))
+    out_ = stderr;
+  else if (start == Start::by_launcher)
+    out_ = std::fopen("/dev/tty", "we");
+}
 
-Progress::~Progress() { clear(); }
+Progress::~Progress() {
+  clear();
+  if (out_ && out_ != stderr) std::fclose(out_);
+}
 
 void Progress::phase(std::string label) {
   label_ = std::move(label);
   amount_ = 0;
   phase_start_ = Clock::now();
-  if (!shown_) return;
-  fmt::print(stderr, "\r{} ...\x1b[K", label_);
-  std::fflush(stderr);
+  if (!out_) return;
+  fmt::print(out_, "\r{} ...\x1b[K", label_);
+  std::fflush(out_);
   drawn_ = true;
 }
 
@@ -77,19 +82,19 @@ void Progress::measure(double amount, std::string unit) {
 
 void Progress::clear() {
   if (!drawn_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  fmt::print(out_, "\r\x1b[K");
+  std::fflush(out_);
   drawn_ = false;
 }
 
 void Progress::update(double share) {
-  if (!shown_) return;
+  if (!out_) return;
   const Clock::time_point now = Clock::now();
   if (now - start_ < std::chrono::seconds(1) || now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - phase_start_).count();
-  fmt::print(stderr, "\r{}\x1b[K", progress_line(label_, std::clamp(share, 0.0, 1.0), seconds, amount_, unit_));
-  std::fflush(stderr);
+  fmt::print(out_, "\r{}\x1b[K", progress_line(label_, std::clamp(share, 0.0, 1.0), seconds, amount_, unit_));
+  std::fflush(out_);
   drawn_ = true;
 }
 

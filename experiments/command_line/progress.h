@@ -3,14 +3,18 @@
 #pragma once
 
 #include <chrono>
+#include <cstdio>
 #include <string>
 
 namespace lodestone {
 
 class Progress {
  public:
+  // Programs such as mpirun take the standard error of those that they start, and have a terminal in common with them
+  // if they are on one machine.
+  enum class Start { by_hand, by_launcher };
   // `quiet` shows nothing at all.
-  Progress(std::string label, bool quiet);
+  Progress(std::string label, bool quiet, Start start = Start::by_hand);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -32,9 +36,9 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   std::string label_, unit_;
-  double amount_ = 0;   // in the phase; 0: not known
-  bool shown_;          // may be shown at all
-  bool drawn_ = false;  // the line is not empty
+  double amount_ = 0;         // in the phase; 0: not known
+  std::FILE* out_ = nullptr;  // null: nothing is shown
+  bool drawn_ = false;        // the line is not empty
   Clock::time_point start_, phase_start_, last_;
 };
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "experiments/command_line/progress.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/mpi/job.h"
@@ -74,11 +73,14 @@ JobReport run_job(const JobOptions& options, const CommonOptions& common, Transp
   std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
   RankTrace trace(options.trace, ranks, scheduler);
   DistributedConfig config = config_of(options);
-  Progress progress("reading", common.quiet || transport.rank() != 0);
-  config.on_stage = [&](const std::string& stage) {
-    progress.phase(stage);
-    trace.begin_stage(stage);
-  };
+  Progress progress = job_progress("reading", common, transport.rank());
+  config.on_stage = [&](const std::string& stage) { trace.begin_stage(stage); };
+  ranks.show([&](const std::string& work, double share) {
+    if (share == 0)
+      progress.phase(work);
+    else
+      progress.update(share);
+  });
   JobReport report;
   config.last_words = [&] {
     trace.gather();

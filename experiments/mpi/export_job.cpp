@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/mesh/up_axis.h"
-#include "experiments/command_line/progress.h"
 #include "experiments/commands/input.h"
 #include "experiments/mpi/job.h"
 #include "experiments/subjects/tiles.h"
@@ -29,7 +28,7 @@ void run(const ExportOptions& options, const CommonOptions& common, Transport& t
   Ranks ranks(transport);
   const CpuClock clock;
   const auto scheduler = make_scheduler(common);
-  Progress progress("writing", common.quiet || !is_first);
+  Progress progress = job_progress("writing", common, transport.rank());
   progress.phase("writing");
   Json rows;
   RankTilesConfig config;

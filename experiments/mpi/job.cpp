@@ -11,6 +11,10 @@ OptionSpec timeout_option(double& seconds) {
       .of_type("SECONDS");
 }
 
+Progress job_progress(std::string label, const CommonOptions& common, int rank) {
+  return Progress(std::move(label), common.quiet || rank != 0, Progress::Start::by_launcher);
+}
+
 std::vector<std::string> hosts_of(Ranks& ranks) {
   std::vector<std::string> hosts;
   for (const std::vector<char>& host : ranks.gather_lists(std::vector<char>(ranks.host().begin(), ranks.host().end())))

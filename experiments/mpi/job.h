@@ -10,6 +10,7 @@
 
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/options.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "parallel/distributed/mpi_transport.h"
 #include "parallel/distributed/ranks.h"
@@ -26,6 +27,10 @@ struct JobCommand {
 };
 
 [[nodiscard]] OptionSpec timeout_option(double& seconds);
+
+// One bar of all processes, by the first, on the terminal that the launcher was started from, if that is on its
+// machine.
+[[nodiscard]] Progress job_progress(std::string label, const CommonOptions& common, int rank);
 
 // The machine of each process, at all of them.
 [[nodiscard]] std::vector<std::string> hosts_of(Ranks& ranks);

@@ -1,6 +1,5 @@
 // lodestone-mpi verify: the invariants of a .lode file by all processes of an MPI job (docs/cluster.md).
 #include "core/base/error.h"
-#include "experiments/command_line/progress.h"
 #include "experiments/commands/input.h"
 #include "experiments/mpi/job.h"
 #include "experiments/subjects/verify.h"
@@ -31,7 +30,7 @@ void run(const VerifyJobOptions& options, const CommonOptions& common, Transport
   Ranks ranks(transport);
   const CpuClock clock;
   const auto scheduler = make_scheduler(common);
-  Progress progress("reading", common.quiet || !is_first);
+  Progress progress = job_progress("reading", common, transport.rank());
   progress.phase("reading");
   const RankCells cells = load_rank_cells(options.file, ranks.rank(), ranks.count(), *scheduler);
   progress.phase("verifying");

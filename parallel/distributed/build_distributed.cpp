@@ -89,6 +89,7 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   Hierarchy& head = result.tables;
   RankInput input;
   CleanSlices clean = stages.run("reading", [&] {
+    ranks.begin("reading");
     input = open(ranks, scheduler);
     check(*input.stream);
     return distributed_clean(input, config.lattice, ranks, scheduler);
@@ -107,6 +108,7 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
+    ranks.begin("sharing");
     RankFinest made = make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
     head.provenance.fingerprint = ranks.sum(made.fingerprint);
     return made;

@@ -300,10 +300,13 @@ PieceCorners::PieceCorners(std::span<const Triangle> triangles) : local_(triangl
 
 CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks, Scheduler& scheduler) {
   DistributedCleaning cleaning(input, ranks, scheduler);
+  ranks.begin("reading corners");
   cleaning.drop_non_finite_triangles();
   cleaning.normalise(lattice);
+  ranks.begin("welding");
   cleaning.weld_vertices();
   cleaning.drop_degenerate_triangles();
+  ranks.begin("comparing triangles");
   cleaning.drop_duplicate_triangles();
   cleaning.number_vertices();
   return std::move(cleaning).result();

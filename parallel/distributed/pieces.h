@@ -17,13 +17,16 @@ namespace lodestone {
 }
 
 // Calls body(begin, end) for pieces of the own `count` items: equally often on all ranks, so that the body may make
-// calls that all of them make; where a rank has no items left, for an empty piece.
+// calls that all of them make; where a rank has no items left, for an empty piece. Each round is told as a share of the
+// work at hand, for which this is taken to be all that takes time.
 template <class Body>
 void for_pieces(Ranks& ranks, std::uint64_t count, const Body& body) {
   const std::uint64_t piece = piece_items(ranks);
   const std::uint64_t rounds = ranks.maximum((count + piece - 1) / piece);
-  for (std::uint64_t round = 0; round < rounds; ++round)
+  for (std::uint64_t round = 0; round < rounds; ++round) {
     body(std::min(count, round * piece), std::min(count, (round + 1) * piece));
+    ranks.done(static_cast<double>(round + 1) / static_cast<double>(rounds));
+  }
 }
 
 // The rank at which all meet that has this hash.

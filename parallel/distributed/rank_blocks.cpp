@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "parallel/distributed/cell_message.h"
@@ -23,7 +24,7 @@ class OneLevel final : public CellStorage {
 };
 
 // Runs the rank's blocks of a level: completes its cells, and returns the coarser ones.
-CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Scheduler& scheduler) {
+CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Ranks& ranks, Scheduler& scheduler) {
   if (part.codes.empty()) return {};
   const BlockPlan plan = plan_blocks(part.codes, level, grids_of(setting.config));
   const auto l = static_cast<std::size_t>(level);
@@ -33,9 +34,13 @@ CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Sche
   OneLevel storage(plan, level);
   BuildConfig config = setting.config;
   config.strategy = Strategy::levels;
-  config.progress = {};
-  build_blocks({plan, cells, storage, {}, setting.lattice, 0, static_cast<std::size_t>(scheduler.workers())}, config,
-               scheduler);
+  std::uint64_t triangles = 0;
+  for (const CellBuild& cell : cells[l]) triangles += cell.slab.triangles.size();
+  // The share is that of all levels, which take 4/3 of the work of the finest one alone. Ranks have about as much to do
+  // as each other, so that this one stands for all.
+  config.progress = [&](double share) { ranks.done(std::min(1.0, share * 4 / 3)); };
+  build_blocks({plan, cells, storage, {}, setting.lattice, triangles, static_cast<std::size_t>(scheduler.workers())},
+               config, scheduler);
   part.cells = std::move(cells[l]);
   return {plan.levels[l - 1].codes, std::move(cells[l - 1])};
 }
@@ -93,7 +98,8 @@ std::vector<CellPart> build_rank_levels(CellPart&& finest, int level, const Bloc
   levels.back() = std::move(finest);
   for (int l = level; l > 0; --l) {
     const auto at = static_cast<std::size_t>(l);
-    CellPart made = run_blocks(levels[at], l, setting, scheduler);
+    ranks.begin("building level " + std::to_string(l - 1));
+    CellPart made = run_blocks(levels[at], l, setting, ranks, scheduler);
     levels[at - 1] = exchange_cells(std::move(made), l - 1, setting.owners, ranks);
   }
   for (CellBuild& cell : levels.front().cells) cell.release_transient();

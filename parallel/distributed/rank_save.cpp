@@ -1,6 +1,7 @@
 #include "parallel/distributed/rank_save.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <span>
@@ -140,6 +141,7 @@ class RankSaver {
 
   // Every rank gets the places of its cells.
   void make_tables() {
+    ranks_.begin("placing cells");
     ByRank<CellRecord> records = by_rank<CellRecord>(ranks_);
     exchange_in_pieces<CellRecord>(
         ranks_, cells_.size(), [&](std::uint64_t i, const auto& emit) { emit(0, cells_[i].record()); },
@@ -158,6 +160,7 @@ class RankSaver {
 
   void find_signatures() {
     for (std::size_t l = 0; l < level_count_; ++l) {
+      ranks_.begin("signatures of level " + std::to_string(l));
       std::vector<RankBorder> own;
       for (std::size_t i = first_of_level_[l]; i < first_of_level_[l + 1]; ++i) {
         const CellBuild& cell = *cells_[i].build;
@@ -185,9 +188,11 @@ class RankSaver {
       CellId cell;
       std::uint64_t checksum;
     };
+    ranks_.begin("writing");
     std::vector<Checksum> checksums(cells_.size());
     const std::vector<std::size_t> runs = find_runs();
     std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler_.workers()));
+    std::atomic<std::size_t> written = 0;
     scheduler_.for_chunks(runs.size() - 1, 1, [&](ChunkRange range) {
       std::vector<std::byte>& bytes = buffers[static_cast<std::size_t>(scheduler_.worker_index())];
       bytes.clear();
@@ -197,6 +202,7 @@ class RankSaver {
         checksums[i] = {places_[i].id, encode(i, std::span(bytes).subspan(before))};
       }
       file_->write_at(places_[runs[range.begin]].offset, bytes);
+      ranks_.done(static_cast<double>(++written) / static_cast<double>(runs.size() - 1));
     });
     if (!is_first()) file_->commit();
     exchange_in_pieces<Checksum>(

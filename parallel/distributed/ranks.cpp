@@ -50,6 +50,19 @@ class Square {
 
 }  // namespace
 
+void Ranks::begin(const std::string& work) {
+  const std::lock_guard lock(progress_mutex_);
+  work_ = work, share_ = 0;
+  if (on_progress_) on_progress_(work_, share_);
+}
+
+void Ranks::done(double share) {
+  const std::lock_guard lock(progress_mutex_);
+  if (!on_progress_ || share <= share_) return;
+  share_ = share;
+  on_progress_(work_, share_);
+}
+
 void Ranks::send(int to, const Message& payload) {
   const Head head{static_cast<std::uint32_t>(rank()), step_, payload.size()};
   Message message(sizeof(head) + payload.size());

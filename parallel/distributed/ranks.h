@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -46,6 +47,14 @@ class Ranks {
   [[nodiscard]] int count() const { return transport_.ranks(); }
   [[nodiscard]] const std::string& host() const { return transport_.host(); }
   [[nodiscard]] const Traffic& traffic() const { return traffic_; }
+  // For people: what all ranks do from now on, and the share of it that is done, in [0, 1], as far as this rank knows;
+  // where they work in rounds all know the same. Less than what was told before is not told. From any thread.
+  void begin(const std::string& work);
+  void done(double share);
+  // Called by both, one call at a time.
+  void show(std::function<void(const std::string& work, double share)> on_progress) {
+    on_progress_ = std::move(on_progress);
+  }
   // Called after each wait for a message, with its duration and the rank that it was for.
   void watch(std::function<void(double seconds, int from)> on_wait) { on_wait_ = std::move(on_wait); }
 
@@ -85,6 +94,10 @@ class Ranks {
   int most_direct_;
   Traffic traffic_;
   std::function<void(double, int)> on_wait_;
+  std::function<void(const std::string&, double)> on_progress_;
+  std::mutex progress_mutex_;
+  std::string work_;
+  double share_ = 0;        // of the work
   std::uint64_t step_ = 0;  // messages between two ranks within it are of one kind
 };
 

@@ -121,6 +121,7 @@ std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
 }  // namespace
 
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
+  ranks.begin("choosing cells");
   std::vector<CellCode> sample = sample_cells(stream, clean, ranks);
   const LevelGrids grids = grids_of(config);
   const int level = config.finest_level < 0
@@ -134,6 +135,7 @@ FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, co
 RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const FinestChoice& finest, Ranks& ranks) {
   CleanSlices clean = std::move(given);
   RoutedMesh out;
+  ranks.begin("sorting");
   out.vertices = clean.vertices_left;
   out.mesh.transform = clean.transform;
   out.mesh.triangles = exchange_triangles(stream, clean, finest, ranks);
@@ -154,6 +156,7 @@ RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const 
       visit(Question(ranks, out.vertices, std::span(out.ids).subspan(begin, end - begin)));
     });
   };
+  ranks.begin("fetching vertices");
   ask([&](const Question& question) {
     for (const std::vector<std::uint32_t>& of_rank : question.asked())
       for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
@@ -162,6 +165,7 @@ RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const 
   });
   std::vector<Vec3f>().swap(positions);
   out.used_by_others.reserve(out.ids.size());
+  ranks.begin("finding shared vertices");
   ask([&](const Question& question) {
     const auto some = question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; });
     out.used_by_others.insert(out.used_by_others.end(), some.begin(), some.end());

@@ -2,8 +2,10 @@
 end early.
 usage: LODESTONE_MPI=PROGRAM LAUNCHER=mpirun test_distributed.py PROGRAM"""
 
+import contextlib
 import json
 import os
+import pty
 import signal
 import subprocess
 import unittest
@@ -87,6 +89,21 @@ class UnderLauncher(DistributedCase):
         made = model("terrain.ply", "generate", "terrain", "--triangles", 50_000, "--seed", 5)
         expected = model("terrain.lode", "build", made).read_bytes()
         self.assertTrue(self.built(3, "--generate", "terrain:5e4:5", "--threads", 1)[0] == expected)
+
+    def test_all_ranks_have_one_bar_on_the_terminal(self):
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder)
+            job = command(3, "--generate", "sphere:3e5", "-o", "m.lode", "--threads", 1)
+            os.execvpe(job[0], job, ENVIRONMENT)
+        shown = b""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while part := os.read(terminal, 1 << 16):
+                shown += part
+        os.close(terminal)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), 0, shown)
+        for work in ("reading", "welding", "sorting", "building level 1"):
+            self.assertEqual(shown.count(f"\r{work} ...".encode()), 1, shown)
 
     def test_a_trace_has_a_process_for_each_rank(self):
         done = self.job(2, "--generate", "sphere:2e5", "-o", "m.lode", "--threads", 1, "--trace", "trace.json", "--quiet",

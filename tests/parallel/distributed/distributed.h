@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -40,6 +41,8 @@ class Distributed : public FolderTest {
         [&](Transport& transport) {
           const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
           Ranks all(transport, most_direct_);
+          if (on_progress_)
+            all.show([&](const std::string& work, double share) { on_progress_(transport.rank(), work, share); });
           DistributedResult result = build_distributed(input, config_, all, *scheduler);
           if (transport.rank() == 0) first = std::move(result);
         },
@@ -73,7 +76,8 @@ class Distributed : public FolderTest {
   }
 
   DistributedConfig config_;
-  int most_direct_ = 48;  // ranks that exchange directly
+  int most_direct_ = 48;                                                              // ranks that exchange directly
+  std::function<void(int rank, const std::string& work, double share)> on_progress_;  // by several threads
 };
 
 }  // namespace lodestone::testing

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include "core/hierarchy/construct/cell_table.h"
@@ -53,6 +54,36 @@ TEST_F(Distributed, ExchangesByWayOfOtherRanks) {
   most_direct_ = 0;
   const std::string expected = in_memory({mesh(test::with_faults(sphere(5), 3))});
   for (const int ranks : {2, 5, 7, 9}) EXPECT_TRUE(built({folder_ / "m.ply"}, ranks, 0) == expected) << ranks;
+}
+
+// Every rank is told the same work in the same order, its share grows, and what is done in rounds ends for all at once.
+TEST_F(Distributed, TellsHowFarAllRanksAre) {
+  struct Told {
+    std::vector<std::string> works;
+    std::map<std::string, std::vector<double>> shares;
+  };
+  std::vector<Told> told(3);
+  on_progress_ = [&](int rank, const std::string& work, double share) {
+    Told& own = told[static_cast<std::size_t>(rank)];
+    if (share == 0)
+      own.works.push_back(work);
+    else
+      own.shares[work].push_back(share);
+  };
+  (void)built({mesh(sphere(6))}, 3, 2);
+  for (const Told& own : told) {
+    EXPECT_EQ(own.works, told.front().works);
+    for (const auto& [work, shares] : own.shares) {
+      EXPECT_TRUE(std::ranges::is_sorted(shares)) << work;
+      EXPECT_GT(shares.front(), 0) << work;
+      EXPECT_LE(shares.back(), 1) << work;
+    }
+    for (const char* in_rounds : {"reading corners", "welding", "comparing triangles", "choosing cells", "sorting",
+                                  "fetching vertices", "finding shared vertices"})
+      EXPECT_EQ(own.shares.at(in_rounds), told.front().shares.at(in_rounds)) << in_rounds;
+    for (const char* whole : {"welding", "sorting", "writing"}) EXPECT_EQ(own.shares.at(whole).back(), 1) << whole;
+  }
+  EXPECT_TRUE(std::ranges::any_of(told, [](const Told& t) { return t.shares.contains("building level 2"); }));
 }
 
 TEST_F(Distributed, BuildsHalfLevels) {
