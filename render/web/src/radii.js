@@ -17,6 +17,16 @@ const floatDown = (x) => (Math.fround(x) > x ? neighbour(x, -1) : Math.fround(x)
 // on the finest level where the travel begins; then r_l is the largest of the level, and the bands are the narrowest.
 export const makeRadii = (tileset, view) => (tileset.signatures ? radiiByCell : radiiByLevel)(tileset, view);
 
+// The same for one view after the other, made anew when it is another one than the last.
+export function radiiOfViews(tileset) {
+  let last = null;
+  return (view) => {
+    const key = JSON.stringify(view);
+    if (last?.key !== key) last = {key, radii: makeRadii(tileset, view)};
+    return last.radii;
+  };
+}
+
 // The radius at which a cell is refined.
 export const radiusOf = ({select, byCell}, {level, index}) => (byCell ? byCell[index] : select[level]);
 

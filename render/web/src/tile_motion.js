@@ -92,3 +92,5 @@ export class MotionBySignature {
 
   dispose() { this.lambdas.dispose(); }
 }
+
+export const motionOf = (tileset) => (tileset.signatures ? new MotionBySignature(tileset) : new MotionByDistance(tileset.error.length));

@@ -7,13 +7,13 @@ import {edgesOver, showEdges} from './look.js';
 import {surfaceParameters} from './morph_material.js';
 import {approached, shareOf} from './pace.js';
 import {Problem} from './problem.js';
-import {makeRadii} from './radii.js';
+import {radiiOfViews} from './radii.js';
 import {ResidentTiles} from './resident_tiles.js';
 import {placesOf} from './signatures.js';
 import {showsEmission} from './surface.js';
 import {TextureCache} from './texture_cache.js';
 import {countingTileMaterial, tileMaterial} from './tile_material.js';
-import {MotionByDistance, MotionBySignature} from './tile_motion.js';
+import {motionOf} from './tile_motion.js';
 import {loadTileset} from './tileset.js';
 import {turnedBox} from './turn.js';
 
@@ -48,7 +48,8 @@ export class TilesView {
     this.node = new THREE.Group();
     this.frame = new THREE.Group();  // turned upright, or not
     this.node.add(this.frame);
-    this.motion = tileset.signatures ? new MotionBySignature(tileset) : new MotionByDistance(tileset.error.length);
+    this.motion = motionOf(tileset);
+    this.radiiFor = radiiOfViews(tileset);
     const [x0, y0, z0, x1, y1, z1] = tileset.root.bounds;
     this.extent = new THREE.Box3(new THREE.Vector3(x0, y0, z0), new THREE.Vector3(x1, y1, z1));
   }
@@ -171,13 +172,6 @@ export class TilesView {
     this.state = {viewpoint, radii, limits: this.residents.limits, share, bytes: this.residents.bytes, drawn: this.drawn};
     this.arrived = this.residents.progress;
     return moves || this.textures.coming > 0 || this.pixels !== pixels;
-  }
-
-  // Those of the last frame, as long as nothing has changed that they follow from.
-  radiiFor(view) {
-    const key = JSON.stringify(view);
-    if (this.radii?.key !== key) this.radii = {...makeRadii(this.tileset, view), key};
-    return this.radii;
   }
 
   // Tells if the camera may see a cell; morphing vertices leave its box by at most the way they may travel.

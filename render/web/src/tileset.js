@@ -17,7 +17,7 @@ const areFigures = ({sigma0, scale, reach, error}) => sigma0 > 0 && scale > 0 &&
   reach.length === error.length && reach.every((r) => Number.isFinite(r?.euclidean)) && error.every(Number.isFinite);
 
 // The figures of the levels in a tileset's JSON.
-export function figuresOf(json, url) {
+function figuresOf(json, url) {
   const figures = json.extras?.lodestone;
   if (!figures) throw new Problem(`${url}: has no figures for morphing; export it with --morph`);
   if (!areFigures(figures)) throw new Problem(`${url}: the figures of its levels contradict each other; the file is damaged`);
