@@ -34,6 +34,30 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   EXPECT_EQ(files, 13u);
 }
 
+// Data that are generated or lie in the repository: those of scripts/data need a network. A scene names its models
+// itself.
+bool needs_no_models(const DataSource& source, const std::filesystem::path& folder) {
+  if (source.path.empty()) return true;
+  const std::filesystem::path file = (folder / source.path).lexically_normal();
+  return file.string().find("/build/data/") == std::string::npos &&
+         (file.extension() != ".toml" || content(file).find("build/data/") == std::string::npos);
+}
+
+TEST(SweepFiles, EveryStudyHasDataWithoutModels) {
+  const std::filesystem::path folder = source_folder() / "experiments/studies/standard";
+  for (const auto& file : std::filesystem::directory_iterator(folder))
+    for (const SweepForm form : {SweepForm::small, SweepForm::standard, SweepForm::full}) {
+      const SweepFile study = load_sweep_file(file.path().string(), form);
+      const auto runs = [&](const SweepSection& sweep) {
+        return sweep.data.empty() || std::ranges::any_of(study.data, [&](const DataSource& source) {
+                 return std::ranges::find(sweep.data, source.name) != sweep.data.end() &&
+                        needs_no_models(source, folder);
+               });
+      };
+      EXPECT_TRUE(std::ranges::any_of(study.sweeps, runs)) << study.name << ' ' << name_of(form);
+    }
+}
+
 // A run is one system: times of two are comparable by repetitions alone, which take turns.
 TEST(SweepFiles, SystemsTakeTurns) {
   const std::string file = (source_folder() / "experiments/studies/standard/systems.toml").string();
