@@ -117,6 +117,7 @@ class PixelArray {
   explicit PixelArray(std::shared_ptr<const PixelGroups> groups, const T& empty = {})
       : groups_(std::move(groups)), shifts_(groups_->shifts()), values_(groups_->stored(), empty) {}
   explicit PixelArray(const std::vector<T>& values) {
+    if (values.empty()) return;  // no memory, in which the first place would lie
     resize(values.size());
     std::copy(values.begin(), values.end(), values_.begin() + PixelGroups::length);
   }

@@ -31,8 +31,7 @@ namespace lodestone {
 // A change of contrast by pixel, rows from the top, in thresholds: the change filtered by A, without its sign; 1 is
 // just visible where what surrounds it hides nothing. Beyond the picture nothing changes. Throws InputError for a
 // number of values that is not that of the pixels, and for pixels_per_degree out of (0, 1000]. The same bytes for any
-// number of workers. O(n log n); 16 bytes a pixel, those of a margin
-// of a degree included.
+// number of workers. O(n log n); 16 bytes for each pixel, those of a margin of a degree included.
 [[nodiscard]] std::vector<float> step_visibility(std::span<const float> change, ImageSize size, Scheduler& scheduler,
                                                  double pixels_per_degree = FlipConfig{}.pixels_per_degree);
 

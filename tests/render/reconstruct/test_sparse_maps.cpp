@@ -9,6 +9,12 @@
 namespace lodestone::test {
 namespace {
 
+// As of a channel that a file does not have; a sanitizer tells when this reaches for the first place.
+TEST(PixelArray, OfNoValuesIsEmpty) {
+  EXPECT_TRUE(PixelArray(std::vector<std::uint32_t>()).empty());
+  EXPECT_EQ(PixelArray(std::vector<std::uint32_t>{4, 5}).to_vector(), (std::vector<std::uint32_t>{4, 5}));
+}
+
 TEST(PixelArray, ReadsWhatWasWrittenAndIsEmptyElsewhere) {
   std::mt19937 random(7);
   for (const auto& [width, height] : {std::pair{1, 1}, {16, 3}, {37, 29}, {130, 5}}) {
