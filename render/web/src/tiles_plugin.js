@@ -16,7 +16,7 @@ import {boxDistance, loadTileset, selectCells} from './tileset.js';
 
 const LOADED = 4, FAILED = -1;  // states of the renderer's tiles
 
-// Of a cell of the tileset; it has a tile once the renderer has come to it.
+// The state of a cell's tile, which a cell has once the renderer has come to it.
 const stateOf = ({tile}) => (!tile ? 0 : tile.content ? tile.internal.loadingState : LOADED);
 const childrenOf = (cell) => (cell.children.every((c) => stateOf(c) === LOADED) ? 'there' : 'missing');
 
