@@ -15,6 +15,7 @@
 namespace lodestone {
 
 void return_large_memory() {}
+void return_free_memory() {}
 void keep_large_memory() {}
 
 }  // namespace lodestone
@@ -55,6 +56,8 @@ void return_large_memory() {
   use_huge_pages_and_keep_heaps();
   mallopt(M_MMAP_THRESHOLD, returned_bytes);
 }
+
+void return_free_memory() { malloc_trim(0); }
 
 void keep_large_memory() {
   use_huge_pages_and_keep_heaps();

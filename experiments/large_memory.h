@@ -11,5 +11,7 @@ void keep_large_memory();
 // The same, but arrays of 32 MiB and more go back to the system when they are freed: for processes whose memory is
 // limited, as what is kept between two large arrays may be too small for the next one.
 void return_large_memory();
+// Gives what is free within the heaps back to the system, between two steps of a process whose memory is limited.
+void return_free_memory();
 
 }  // namespace lodestone

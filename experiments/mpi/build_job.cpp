@@ -7,11 +7,12 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/input.h"
+#include "experiments/large_memory.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/mpi/job.h"
 #include "experiments/mpi/rank_trace.h"
 #include "experiments/subjects/build.h"
-#include "parallel/distributed/build_distributed.h"
+#include "parallel/distributed/building/build_distributed.h"
 #include "parallel/distributed/generated_stream.h"
 
 namespace lodestone {
@@ -19,8 +20,9 @@ namespace {
 
 struct JobOptions {
   std::vector<std::string> inputs;
-  std::string generator, output, trace;
+  std::string generator, output, scratch, trace;
   InputOptions reading;
+  Bytes memory_limit;
   float sigma0 = BuildConfig{}.sigma0;
   std::uint32_t cell_triangles = BuildConfig{}.cell_triangles;
   std::optional<int> levels, lattice_bits;
@@ -49,6 +51,7 @@ DistributedConfig config_of(const JobOptions& options) {
   if (options.placement) config.build.placement = placement_named(*options.placement);
   config.output = options.output;
   config.lattice = {options.lattice_bits.value_or(0)};
+  config.limit = {.bytes = options.memory_limit.count, .scratch = options.scratch};
   return config;
 }
 
@@ -74,7 +77,10 @@ JobReport run_job(const JobOptions& options, const CommonOptions& common, Transp
   RankTrace trace(options.trace, ranks, scheduler);
   DistributedConfig config = config_of(options);
   Progress progress = job_progress("reading", common, transport.rank());
-  config.on_stage = [&](const std::string& stage) { trace.begin_stage(stage); };
+  config.on_stage = [&](const std::string& stage) {
+    trace.begin_stage(stage);
+    if (config.limit.bytes > 0) return_free_memory();
+  };
   ranks.show([&](const std::string& work, double share) {
     if (share == 0)
       progress.phase(work);
@@ -168,6 +174,8 @@ Json to_json(const JobReport& report, const JobOptions& options) {
           {"file_bytes", report.result.file_bytes},
           {"seconds", report.time.seconds},
           {"threads", report.threads},
+          {"memory_limit", options.memory_limit.count},
+          {"spilled", report.result.spilled},
           {"bytes_sent", bytes_sent(report)},
           {"rounds", ranks.front().total().traffic.rounds},
           {"waited_share", waited_share(report)},
@@ -212,6 +220,12 @@ OptionTable declare(JobOptions& o) {
            .of_type("BITS"),
        {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
        {"--placement", &o.placement, "optimal or endpoint"},
+       {"--memory-limit", &o.memory_limit,
+        "Memory that each process may have resident, such as 2GiB or 1500MB: if they need more, they put triangles and "
+        "cells into temporary files, for the same bytes"},
+       OptionSpec{"--scratch", &o.scratch, "Folder for temporary files, on each machine; default: that of the output"}
+           .only_with({"--memory-limit"})
+           .of_type("DIR"),
        {"--trace", &o.trace,
         "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
         "ui.perfetto.dev (.json)"},

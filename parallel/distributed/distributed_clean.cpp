@@ -9,7 +9,6 @@
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/clean_kernels.h"
-#include "parallel/clean/find_repeats.h"
 
 namespace lodestone {
 namespace {
@@ -33,8 +32,8 @@ struct Repeat {
 
 class DistributedCleaning {
  public:
-  DistributedCleaning(const RankInput& input, Ranks& ranks, Scheduler& scheduler)
-      : stream_(*input.stream), ranks_(ranks), scheduler_(scheduler) {
+  DistributedCleaning(const RankInput& input, std::uint64_t most_items, Ranks& ranks, Scheduler& scheduler)
+      : stream_(*input.stream), most_items_(most_items), ranks_(ranks), scheduler_(scheduler) {
     out_.vertices = input.vertices;
     out_.triangles = input.triangles;
     out_.repairs = input.reading;
@@ -95,30 +94,9 @@ class DistributedCleaning {
     });
   }
 
-  // Equal positions meet at the rank of their hash. -0 and NaN do not occur any more.
   void weld_vertices() {
-    std::vector<WeldItem> items;
-    items.reserve(own_vertices_ + own_vertices_ / 16);  // growing would take it twice
-    exchange_in_pieces<WeldItem>(
-        ranks_, own_vertices_,
-        [&](std::uint64_t i, const auto& emit) {
-          if (states_[i] != VertexState::used) return;
-          emit(rank_of_hash(hash_of(out_.positions[i]), ranks_),
-               {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
-        },
-        [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
-    const std::vector<Repeat> repeats = repeats_among(items);
-    std::vector<WeldItem>().swap(items);
-    out_.repairs.welded_vertices = ranks_.sum(repeats.size());
-    if (out_.repairs.welded_vertices == 0) return;
-    out_.numbers.resize(own_vertices_);
-    for (std::uint64_t i = 0; i < own_vertices_; ++i) out_.numbers[i] = static_cast<std::uint32_t>(first_vertex_ + i);
-    exchange_in_pieces<Repeat>(
-        ranks_, repeats.size(),
-        [&](std::uint64_t i, const auto& emit) { emit(out_.vertices.owner(repeats[i].repeat), repeats[i]); },
-        [&](int, const std::vector<Repeat>& some) {
-          for (const Repeat& r : some) out_.numbers[r.repeat - first_vertex_] = r.first;
-        });
+    const std::uint64_t turns = turns_of(out_.vertices);
+    for (std::uint64_t turn = 0; turn < turns; ++turn) weld_vertices(turn, turns);
   }
 
   // Then the vertices in use are those of the triangles that are left.
@@ -150,31 +128,8 @@ class DistributedCleaning {
   // Equal triangles meet at the owner of one of their vertices, picked by all three: near the rank of the triangle
   // where the input has an order, and spread evenly where it has none.
   void drop_duplicate_triangles() {
-    std::vector<TriangleItem> items;
-    items.reserve(own_triangles_ + own_triangles_ / 16);
-    visit_welded(
-        [&](std::uint64_t at, const PieceCorners& corners, std::span<const std::uint32_t> become, std::size_t count) {
-          ByRank<TriangleItem> out = by_rank<TriangleItem>(ranks_);
-          for (std::size_t t = 0; t < count; ++t) {
-            if (out_.dropped[at + t]) continue;
-            const auto& c = corners.of(t).v;
-            const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
-            const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
-            out[static_cast<std::size_t>(out_.vertices.owner(picked))].push_back(
-                {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
-          }
-          for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
-        });
-    std::vector<std::uint32_t> repeats;
-    for (const Repeat& r : repeats_among(items)) repeats.push_back(r.repeat);
-    std::vector<TriangleItem>().swap(items);
-    out_.repairs.duplicate_triangles = ranks_.sum(repeats.size());
-    exchange_in_pieces<std::uint32_t>(
-        ranks_, repeats.size(),
-        [&](std::uint64_t i, const auto& emit) { emit(out_.triangles.owner(repeats[i]), repeats[i]); },
-        [&](int, const std::vector<std::uint32_t>& some) {
-          for (const std::uint32_t t : some) out_.dropped.set(t - first_triangle_);
-        });
+    const std::uint64_t turns = turns_of(out_.triangles);
+    for (std::uint64_t turn = 0; turn < turns; ++turn) drop_duplicate_triangles(turn, turns);
   }
 
   // Those that are left are numbered through all ranks; those that have become another one get its number.
@@ -186,27 +141,17 @@ class DistributedCleaning {
     out_.repairs.unreferenced_vertices =
         stream_.vertex_count() - out_.vertices_left.total() - out_.repairs.welded_vertices;
     auto next = static_cast<std::uint32_t>(out_.vertices_left.begin(ranks_.rank()));
-    const bool welded = !out_.numbers.empty();
-    std::vector<std::uint32_t> moved;  // vertices of the slice that have become another one
-    std::vector<std::uint32_t> moved_numbers, numbers(own_vertices_, 0);
+    const bool welded = out_.repairs.welded_vertices > 0;
     out_.left.resize(own_vertices_);
-    for (std::uint32_t i = 0; i < own_vertices_; ++i) {
+    out_.numbers.resize(own_vertices_);
+    for (std::uint64_t i = 0; i < own_vertices_; ++i) {
       out_.left[i] = states_[i] == VertexState::used;
-      if (out_.left[i]) {
-        numbers[i] = next++;
-      } else if (welded && out_.numbers[i] != first_vertex_ + i) {
-        moved.push_back(i);
-      }
+      if (out_.left[i])
+        out_.numbers[i] = next++;
+      else if (!welded)
+        out_.numbers[i] = 0;
     }
-    for_pieces(ranks_, moved.size(), [&](std::uint64_t begin, std::uint64_t end) {
-      std::vector<std::uint32_t> become;
-      for (std::uint64_t i = begin; i < end; ++i) become.push_back(out_.numbers[moved[i]]);
-      const std::vector<std::uint32_t> number =
-          Question(ranks_, out_.vertices, become).answer<std::uint32_t>([&](std::uint32_t v) { return numbers[v]; });
-      for (std::uint64_t i = begin; i < end; ++i) moved_numbers.push_back(number[i - begin]);
-    });
-    for (std::size_t i = 0; i < moved.size(); ++i) numbers[moved[i]] = moved_numbers[i];
-    out_.numbers = std::move(numbers);
+    if (welded) number_moved();
   }
 
   [[nodiscard]] CleanSlices result() && {
@@ -216,6 +161,94 @@ class DistributedCleaning {
   }
 
  private:
+  // All ranks take as many turns to compare the items of such slices.
+  [[nodiscard]] std::uint64_t turns_of(const Slices& slices) const {
+    std::uint64_t most = 0;
+    for (int r = 0; r < ranks_.count(); ++r) most = std::max(most, slices.size(r));
+    return std::clamp<std::uint64_t>((most + most_items_ - 1) / most_items_, 1, most_turns);
+  }
+  // The turn of a hash, by bits on which neither its rank nor its bucket depends.
+  [[nodiscard]] static std::uint64_t turn_of(std::uint64_t hash, std::uint64_t turns) {
+    return ((hash >> 36 & (most_turns - 1)) * turns) / most_turns;
+  }
+
+  // Equal positions meet at the rank of their hash. -0 and NaN do not occur any more.
+  void weld_vertices(std::uint64_t turn, std::uint64_t turns) {
+    std::vector<WeldItem> items;
+    items.reserve((own_vertices_ + own_vertices_ / 16) / turns);  // growing would take it twice
+    exchange_in_pieces<WeldItem>(
+        ranks_, own_vertices_,
+        [&](std::uint64_t i, const auto& emit) {
+          if (states_[i] != VertexState::used) return;
+          const std::uint64_t hash = hash_of(out_.positions[i]);
+          if (turn_of(hash, turns) == turn)
+            emit(rank_of_hash(hash, ranks_), {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
+        },
+        [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
+    const std::vector<Repeat> repeats = repeats_among(items);
+    std::vector<WeldItem>().swap(items);
+    const std::uint64_t welded = ranks_.sum(repeats.size());
+    if (welded == 0) return;
+    if (out_.repairs.welded_vertices == 0) {
+      out_.numbers.resize(own_vertices_);
+      for (std::uint64_t i = 0; i < own_vertices_; ++i) out_.numbers[i] = static_cast<std::uint32_t>(first_vertex_ + i);
+    }
+    out_.repairs.welded_vertices += welded;
+    exchange_in_pieces<Repeat>(
+        ranks_, repeats.size(),
+        [&](std::uint64_t i, const auto& emit) { emit(out_.vertices.owner(repeats[i].repeat), repeats[i]); },
+        [&](int, const std::vector<Repeat>& some) {
+          for (const Repeat& r : some) out_.numbers[r.repeat - first_vertex_] = r.first;
+        });
+  }
+
+  void drop_duplicate_triangles(std::uint64_t turn, std::uint64_t turns) {
+    std::vector<TriangleItem> items;
+    items.reserve((own_triangles_ + own_triangles_ / 16) / turns);
+    visit_welded(
+        [&](std::uint64_t at, const PieceCorners& corners, std::span<const std::uint32_t> become, std::size_t count) {
+          ByRank<TriangleItem> out = by_rank<TriangleItem>(ranks_);
+          for (std::size_t t = 0; t < count; ++t) {
+            if (out_.dropped[at + t]) continue;
+            const auto& c = corners.of(t).v;
+            const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
+            if (turn_of(hash_of(key), turns) != turn) continue;
+            const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
+            out[static_cast<std::size_t>(out_.vertices.owner(picked))].push_back(
+                {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
+          }
+          for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
+        });
+    std::vector<std::uint32_t> repeats;
+    for (const Repeat& r : repeats_among(items)) repeats.push_back(r.repeat);
+    std::vector<TriangleItem>().swap(items);
+    out_.repairs.duplicate_triangles += ranks_.sum(repeats.size());
+    exchange_in_pieces<std::uint32_t>(
+        ranks_, repeats.size(),
+        [&](std::uint64_t i, const auto& emit) { emit(out_.triangles.owner(repeats[i]), repeats[i]); },
+        [&](int, const std::vector<std::uint32_t>& some) {
+          for (const std::uint32_t t : some) out_.dropped.set(t - first_triangle_);
+        });
+  }
+
+  // Vertices that have become another one, which is left or unused, get its number; unused ones get any.
+  void number_moved() {
+    for_pieces(ranks_, own_vertices_, [&](std::uint64_t begin, std::uint64_t end) {
+      std::vector<std::uint32_t> become;
+      const auto for_moved = [&](const auto& visit) {
+        for (std::uint64_t i = begin; i < end; ++i)
+          if (!out_.left[i] && out_.numbers[i] != first_vertex_ + i) visit(i);
+      };
+      for_moved([&](std::uint64_t i) { become.push_back(out_.numbers[i]); });
+      const std::vector<std::uint32_t> numbers =
+          Question(ranks_, out_.vertices, become).answer<std::uint32_t>([&](std::uint32_t v) {
+            return out_.numbers[v];
+          });
+      std::size_t next = 0;
+      for_moved([&](std::uint64_t i) { out_.numbers[i] = numbers[next++]; });
+    });
+  }
+
   // Items come in any order of their numbers.
   template <class Item>
   [[nodiscard]] std::vector<Repeat> repeats_among(std::vector<Item>& items) {
@@ -283,7 +316,10 @@ class DistributedCleaning {
       for (const std::uint32_t v : of_rank) states_[v] = VertexState::used;
   }
 
+  static constexpr std::uint64_t most_turns = 1 << 12;
+
   const MeshStream& stream_;
+  std::uint64_t most_items_;
   Ranks& ranks_;
   Scheduler& scheduler_;
   CleanSlices out_;  // numbers: first what each vertex has become by welding; empty if none has
@@ -298,8 +334,9 @@ PieceCorners::PieceCorners(std::span<const Triangle> triangles) : local_(triangl
   if (!triangles.empty()) numbers_.number({triangles.data()->v.data(), 3 * triangles.size()}, local_.data()->v.data());
 }
 
-CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks, Scheduler& scheduler) {
-  DistributedCleaning cleaning(input, ranks, scheduler);
+CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks, Scheduler& scheduler,
+                              std::uint64_t most_items) {
+  DistributedCleaning cleaning(input, most_items, ranks, scheduler);
   ranks.begin("reading corners");
   cleaning.drop_non_finite_triangles();
   cleaning.normalise(lattice);

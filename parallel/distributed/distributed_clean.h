@@ -8,6 +8,7 @@
 
 #include "core/base/key_numbers.h"
 #include "core/mesh/indexed_mesh.h"
+#include "parallel/clean/find_repeats.h"
 #include "parallel/clean/stream_clean.h"
 #include "parallel/distributed/rank_input.h"
 #include "parallel/distributed/ranks.h"
@@ -32,9 +33,11 @@ struct CleanSlices {
 
 // Called by all ranks with the same input and lattice (none, or one). The slice is read three to six times. Memory: 17
 // bytes per vertex of the slice and a bit per triangle, and in addition first 16 bytes per vertex, then 16 per
-// triangle, of a share that is as large as the slice on average. Throws as prepare_mesh and the stream do.
-[[nodiscard]] CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks,
-                                            Scheduler& scheduler);
+// triangle, of a share that is as large as the slice on average. Of a slice of more than `most_items` of them at most
+// so many are compared at a time, for which the slice's positions or triangles are looked at again each time.
+// Throws as prepare_mesh and the stream do.
+[[nodiscard]] CleanSlices distributed_clean(const RankInput& input, Lattice lattice, Ranks& ranks, Scheduler& scheduler,
+                                            std::uint64_t most_items = all_in_memory);
 
 // The distinct corners of a piece of triangles: corner k of triangle t is number(3 t + k) of them.
 class PieceCorners {

@@ -6,7 +6,6 @@
 #include "parallel/distributed/pieces.h"
 #include "parallel/hierarchy/finest_level.h"
 #include "parallel/hierarchy/partition.h"
-#include "parallel/hierarchy/shared_vertices.h"
 #include "parallel/mesh/vertex_sharing.h"
 
 namespace lodestone {
@@ -49,6 +48,18 @@ void join_sums(std::span<const SharedItem> own, const Slices& vertices, Ranks& r
 
 }  // namespace
 
+void join_shared(const OuterVertices& outer, const FinestVertices& all, const Slices& slices, SharedVertices& shared,
+                 Ranks& ranks) {
+  const auto number = [&](std::uint32_t v) { return all.sharing[v] & ~FinestVertices::shared_flag; };
+  std::vector<SharedItem> own;
+  own.reserve(outer.size());
+  for (const auto& [id, v] : outer) own.push_back({id, shared.sum(number(v))});
+  join_sums(own, slices, ranks, [&](const SharedItem& item) {
+    const auto at = std::ranges::lower_bound(outer, std::pair(item.id, std::uint32_t{0}));
+    shared.set_sum(number(at->second), item.sum);
+  });
+}
+
 RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& ranks, Scheduler& scheduler) {
   RoutedMesh routed = std::move(given);
   const Lattice lattice = routed.mesh.transform.lattice;
@@ -59,7 +70,7 @@ RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& r
 
   // Vertices of several ranks are shared, whatever the cells of this rank alone say.
   FinestVertices& vertices = partition.vertices;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> outer;  // id, vertex
+  OuterVertices outer;
   for (std::uint32_t v = 0; v < routed.ids.size(); ++v) {
     if (!routed.used_by_others[v]) continue;
     vertices.sharing[v] |= FinestVertices::shared_flag;
@@ -68,13 +79,7 @@ RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& r
   vertices.shared = number_shared(vertices.sharing, scheduler);
   std::ranges::sort(outer);
   const auto join = [&](const FinestVertices& all, SharedVertices& shared) {
-    const auto number = [&](std::uint32_t v) { return all.sharing[v] & ~FinestVertices::shared_flag; };
-    std::vector<SharedItem> own;
-    for (const auto& [id, v] : outer) own.push_back({id, shared.sum(number(v))});
-    join_sums(own, routed.vertices, ranks, [&](const SharedItem& item) {
-      const auto at = std::ranges::lower_bound(outer, std::pair(item.id, std::uint32_t{0}));
-      shared.set_sum(number(at->second), item.sum);
-    });
+    join_shared(outer, all, routed.vertices, shared, ranks);
   };
 
   out.triangles = std::move(partition.triangles);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/hierarchy/construct/cell_build.h"
 #include "parallel/distributed/ranks.h"
 #include "parallel/distributed/route_triangles.h"
+#include "parallel/hierarchy/shared_vertices.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -28,5 +30,13 @@ struct RankFinest {
 // vertex shared between ranks.
 [[nodiscard]] RankFinest make_rank_finest(RoutedMesh&& routed, int grid, float sigma0, Ranks& ranks,
                                           Scheduler& scheduler);
+
+// The vertices of a rank that other ranks use, too: number in the whole mesh and among the rank's own, ascending.
+using OuterVertices = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// Called by all ranks when all of their cells are added to the shared vertices: gives those of several ranks what all
+// of these know of them. `slices`: of the numbers.
+void join_shared(const OuterVertices& outer, const FinestVertices& all, const Slices& slices, SharedVertices& shared,
+                 Ranks& ranks);
 
 }  // namespace lodestone

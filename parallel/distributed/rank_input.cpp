@@ -129,6 +129,7 @@ class InputParts {
       input.reading.faces_dropped += part.figures.faces_dropped;
       input.reading.void_posts += part.figures.void_posts;
       input.reading.filled_posts += part.figures.filled_posts;
+      input.held_bytes += sizeof(Vec3d) * part.mesh.positions.size() + sizeof(Triangle) * part.mesh.triangles.size();
       if (!part.stream)
         part.stream = std::make_unique<WholePart>(files_[part.file].string(), part.figures, std::move(part.mesh));
       streams.push_back(std::move(part.stream));

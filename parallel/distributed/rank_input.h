@@ -21,6 +21,7 @@ struct RankInput {
   Slices vertices, triangles;
   Repairs reading{};  // of the readers, of all ranks
   std::vector<std::string> warnings{};
+  std::uint64_t held_bytes = 0;  // memory of the files that this rank has as wholes
 };
 
 // The same share for each rank.

@@ -38,18 +38,7 @@ PayloadCounts counts_of_record(const CellRecord& cell, bool short_indices) {
 
 // A cell of a rank.
 struct OwnCell {
-  std::uint32_t level;
-  CellCode code;
-  const CellBuild* build;
-
-  [[nodiscard]] CellRecord record() const {
-    return {code,
-            level,
-            static_cast<std::uint32_t>(build->vertex_count()),
-            static_cast<std::uint32_t>(build->slab.shared_ids.size()),
-            static_cast<std::uint32_t>(build->triangles.size()),
-            *build};
-  }
+  std::uint32_t level, index;  // within the rank's part of the level
 };
 
 // The tables of the file, at rank 0.
@@ -129,12 +118,11 @@ class Tables {
 
 class RankSaver {
  public:
-  RankSaver(const std::vector<CellPart>& levels, Hierarchy& head, Ranks& ranks, Scheduler& scheduler)
-      : level_count_(levels.size()), head_(head), ranks_(ranks), scheduler_(scheduler) {
-    for (std::uint32_t l = 0; l < levels.size(); ++l) {
+  RankSaver(const RankLevels& levels, Hierarchy& head, Ranks& ranks, Scheduler& scheduler)
+      : levels_(levels), head_(head), ranks_(ranks), scheduler_(scheduler) {
+    for (std::uint32_t l = 0; l < levels.level_count(); ++l) {
       first_of_level_.push_back(cells_.size());
-      for (std::size_t c = 0; c < levels[l].codes.size(); ++c)
-        cells_.push_back({l, levels[l].codes[c], &levels[l].cells[c]});
+      for (std::uint32_t c = 0; c < levels.codes(l).size(); ++c) cells_.push_back({l, c});
     }
     first_of_level_.push_back(cells_.size());
   }
@@ -144,7 +132,7 @@ class RankSaver {
     ranks_.begin("placing cells");
     ByRank<CellRecord> records = by_rank<CellRecord>(ranks_);
     exchange_in_pieces<CellRecord>(
-        ranks_, cells_.size(), [&](std::uint64_t i, const auto& emit) { emit(0, cells_[i].record()); },
+        ranks_, cells_.size(), [&](std::uint64_t i, const auto& emit) { emit(0, record(i)); },
         [&](int from, const std::vector<CellRecord>& some) {
           std::vector<CellRecord>& of_rank = records[static_cast<std::size_t>(from)];
           of_rank.insert(of_rank.end(), some.begin(), some.end());
@@ -159,15 +147,18 @@ class RankSaver {
   }
 
   void find_signatures() {
-    for (std::size_t l = 0; l < level_count_; ++l) {
+    for (std::size_t l = 0; l < levels_.level_count(); ++l) {
       ranks_.begin("signatures of level " + std::to_string(l));
       std::vector<RankBorder> own;
+      std::uint64_t copies = 0;
       for (std::size_t i = first_of_level_[l]; i < first_of_level_[l + 1]; ++i) {
-        const CellBuild& cell = *cells_[i].build;
-        own.push_back({places_[i].id, std::span(cell.slab.positions).subspan(cell.first_shared()), cell.border_errors,
-                       cell.error});
+        own.push_back({places_[i].id, levels_.summary(l, cells_[i].index).shared});
+        copies += own.back().shared;
       }
-      add_rank_signatures(own, is_first() ? tables_->borders(l) : LevelBorders(), signatures_, ranks_);
+      RankLevels::BorderRoom room;
+      add_rank_signatures(
+          own, [&](std::size_t index) { return levels_.border(l, index, room); },
+          is_first() ? tables_->borders(l) : LevelBorders(), signatures_, ranks_, levels_.compared_copies(copies));
     }
   }
 
@@ -219,8 +210,13 @@ class RankSaver {
 
  private:
   [[nodiscard]] bool is_first() const { return ranks_.rank() == 0; }
+  [[nodiscard]] CellRecord record(std::size_t i) const {
+    const auto [level, index] = cells_[i];
+    const RankLevels::Summary cell = levels_.summary(level, index);
+    return {levels_.codes(level)[index], level, cell.vertices, cell.shared, cell.triangles, cell};
+  }
   [[nodiscard]] std::uint64_t payload_bytes(std::size_t i) const {
-    return lode_aligned(plain_bytes(counts_of_record(cells_[i].record(), short_indices_)));
+    return lode_aligned(plain_bytes(counts_of_record(record(i), short_indices_)));
   }
 
   // Cells whose payloads follow each other in the file are written at once, a mebibyte at most or one cell: the first
@@ -237,13 +233,18 @@ class RankSaver {
   }
 
   std::uint64_t encode(std::size_t i, std::span<std::byte> bytes) const {
-    Cell cell;
-    cell.parent = cells_[i].level > 0 ? CellId(0) : no_cell;  // any: the payload has no more of it
-    view_payload(*cells_[i].build, cells_[i].level > 0, cell);
-    return encode_payload(cell, short_indices_, bytes);
+    const auto [level, index] = cells_[i];
+    std::uint64_t checksum = 0;
+    levels_.visit(level, index, [&](const CellBuild& build) {
+      Cell cell;
+      cell.parent = cells_[i].level > 0 ? CellId(0) : no_cell;  // any: the payload has no more of it
+      view_payload(build, cells_[i].level > 0, cell);
+      checksum = encode_payload(cell, short_indices_, bytes);
+    });
+    return checksum;
   }
 
-  std::size_t level_count_;
+  const RankLevels& levels_;
   Hierarchy& head_;
   Ranks& ranks_;
   Scheduler& scheduler_;
@@ -259,7 +260,18 @@ class RankSaver {
 
 }  // namespace
 
-std::uint64_t save_ranks(const std::vector<CellPart>& levels, Hierarchy& head, const std::filesystem::path& path,
+RankLevels::Summary RankLevelsInMemory::summary(std::size_t level, std::size_t index) const {
+  const CellBuild& build = levels_[level].cells[index];
+  return {build, static_cast<std::uint32_t>(build.vertex_count()),
+          static_cast<std::uint32_t>(build.slab.shared_ids.size()), static_cast<std::uint32_t>(build.triangles.size())};
+}
+
+SharedBorder RankLevelsInMemory::border(std::size_t level, std::size_t index, BorderRoom& /*room*/) const {
+  const CellBuild& cell = levels_[level].cells[index];
+  return {std::span(cell.slab.positions).subspan(cell.first_shared()), cell.border_errors, cell.error};
+}
+
+std::uint64_t save_ranks(const RankLevels& levels, Hierarchy& head, const std::filesystem::path& path,
                          const std::function<void()>& last_words, Ranks& ranks, Scheduler& scheduler) {
   RankSaver saver(levels, head, ranks, scheduler);
   saver.make_tables();

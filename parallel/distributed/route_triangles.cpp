@@ -84,11 +84,20 @@ std::vector<Triangle> joined(std::vector<std::deque<std::vector<Triangle>>>&& by
   return all;
 }
 
-// The triangles of the own cells, by numbers of vertices.
-std::vector<Triangle> exchange_triangles(const MeshStream& stream, const CleanSlices& clean, const FinestChoice& finest,
-                                         Ranks& ranks) {
+// Replaces numbers of vertices by consecutive ones, whose numbers are returned.
+std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
+  KeyNumbers<std::uint32_t> numbers;
+  numbers.clear(triangles.size() / 2 + triangles.size() / 16);
+  if (!triangles.empty())
+    numbers.number({triangles.data()->v.data(), 3 * triangles.size()}, triangles.data()->v.data());
+  return {numbers.keys().begin(), numbers.keys().end()};
+}
+
+}  // namespace
+
+void exchange_triangles(const MeshStream& stream, const CleanSlices& clean, const FinestChoice& finest, Ranks& ranks,
+                        const TakeTriangles& take) {
   const std::uint64_t first = clean.triangles.begin(ranks.rank());
-  std::vector<std::deque<std::vector<Triangle>>> came(static_cast<std::size_t>(ranks.count()));
   for_pieces(ranks, clean.triangles.size(ranks.rank()), [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<Triangle> triangles(end - begin);
     stream.read_triangles(first + begin, triangles);
@@ -102,23 +111,40 @@ std::vector<Triangle> exchange_triangles(const MeshStream& stream, const CleanSl
       const int owner = finest.owners.owner(piece.cell(t, finest.grid), finest.level);
       out[static_cast<std::size_t>(owner)].push_back(piece.numbers(t));
     }
-    ByRank<Triangle> in = ranks.exchange(out);
-    for (std::size_t from = 0; from < in.size(); ++from)
-      if (!in[from].empty()) came[from].push_back(std::move(in[from]));
+    take(ranks.exchange(out));
   });
-  return joined(std::move(came));
 }
 
-// Replaces numbers of vertices by consecutive ones, whose numbers are returned.
-std::vector<std::uint32_t> number_locally(std::vector<Triangle>& triangles) {
-  KeyNumbers<std::uint32_t> numbers;
-  numbers.clear(triangles.size() / 2 + triangles.size() / 16);
-  if (!triangles.empty())
-    numbers.number({triangles.data()->v.data(), 3 * triangles.size()}, triangles.data()->v.data());
-  return {numbers.keys().begin(), numbers.keys().end()};
+// Positions of the vertices that are left, in the order of their numbers, and how many ranks ask for each.
+void fetch_vertices(CleanSlices&& given, std::span<const std::uint32_t> numbers, Ranks& ranks,
+                    const TakeVertices& take) {
+  CleanSlices clean = std::move(given);
+  std::vector<std::uint32_t>().swap(clean.numbers);
+  clean.dropped = BitSet();
+  std::vector<Vec3f>& positions = clean.positions;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (clean.left[i]) positions[kept++] = positions[i];
+  positions.resize(kept);
+  std::vector<std::uint8_t>().swap(clean.left);
+  std::vector<std::uint8_t> askers(kept, 0);
+  const auto ask = [&](const auto& visit) {
+    for_pieces(ranks, numbers.size(), [&](std::uint64_t begin, std::uint64_t end) {
+      visit(Question(ranks, clean.vertices_left, numbers.subspan(begin, end - begin)));
+    });
+  };
+  ranks.begin("fetching vertices");
+  ask([&](const Question& question) {
+    for (const std::vector<std::uint32_t>& of_rank : question.asked())
+      for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
+    take.positions(question.answer<Vec3f>([&](std::uint32_t v) { return positions[v]; }));
+  });
+  std::vector<Vec3f>().swap(positions);
+  ranks.begin("finding shared vertices");
+  ask([&](const Question& question) {
+    take.used_by_others(question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; }));
+  });
 }
-
-}  // namespace
 
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
   ranks.begin("choosing cells");
@@ -138,38 +164,21 @@ RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const 
   ranks.begin("sorting");
   out.vertices = clean.vertices_left;
   out.mesh.transform = clean.transform;
-  out.mesh.triangles = exchange_triangles(stream, clean, finest, ranks);
+  std::vector<std::deque<std::vector<Triangle>>> came(static_cast<std::size_t>(ranks.count()));
+  exchange_triangles(stream, clean, finest, ranks, [&](ByRank<Triangle>&& in) {
+    for (std::size_t from = 0; from < in.size(); ++from)
+      if (!in[from].empty()) came[from].push_back(std::move(in[from]));
+  });
+  out.mesh.triangles = joined(std::move(came));
   std::vector<std::uint32_t>().swap(clean.numbers);
   clean.dropped = BitSet();
   out.ids = number_locally(out.mesh.triangles);
-
-  // Positions of the vertices that are left, in the order of their numbers, and how many ranks ask for each.
-  std::vector<Vec3f>& positions = clean.positions;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    if (clean.left[i]) positions[kept++] = positions[i];
-  positions.resize(kept);
-  std::vector<std::uint8_t> askers(kept, 0);
   out.mesh.positions.reserve(out.ids.size());
-  const auto ask = [&](const auto& visit) {
-    for_pieces(ranks, out.ids.size(), [&](std::uint64_t begin, std::uint64_t end) {
-      visit(Question(ranks, out.vertices, std::span(out.ids).subspan(begin, end - begin)));
-    });
-  };
-  ranks.begin("fetching vertices");
-  ask([&](const Question& question) {
-    for (const std::vector<std::uint32_t>& of_rank : question.asked())
-      for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
-    const auto some = question.answer<Vec3f>([&](std::uint32_t v) { return positions[v]; });
-    out.mesh.positions.insert(out.mesh.positions.end(), some.begin(), some.end());
-  });
-  std::vector<Vec3f>().swap(positions);
   out.used_by_others.reserve(out.ids.size());
-  ranks.begin("finding shared vertices");
-  ask([&](const Question& question) {
-    const auto some = question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; });
-    out.used_by_others.insert(out.used_by_others.end(), some.begin(), some.end());
-  });
+  const auto append = [](auto& all, auto some) { all.insert(all.end(), some.begin(), some.end()); };
+  fetch_vertices(std::move(clean), out.ids, ranks,
+                 {[&](std::span<const Vec3f> some) { append(out.mesh.positions, some); },
+                  [&](std::span<const std::uint8_t> some) { append(out.used_by_others, some); }});
   return out;
 }
 

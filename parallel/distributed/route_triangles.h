@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "core/hierarchy/construct/finest_cell.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/distributed/cell_owners.h"
 #include "parallel/distributed/distributed_clean.h"
+#include "parallel/distributed/pieces.h"
 #include "parallel/hierarchy/build.h"
 
 namespace lodestone {
@@ -34,5 +37,20 @@ struct RoutedMesh {
 // the slices, of which the vertices are released last.
 [[nodiscard]] RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& clean, const FinestChoice& finest,
                                          Ranks& ranks);
+
+// The two steps of it, for triangles and vertices that are kept elsewhere.
+//
+// Calls take(by rank) with the triangles of the own cells, by numbers of vertices: those of a rank come in its order.
+using TakeTriangles = std::function<void(ByRank<Triangle>&&)>;
+void exchange_triangles(const MeshStream& stream, const CleanSlices& clean, const FinestChoice& finest, Ranks& ranks,
+                        const TakeTriangles& take);
+// Asks for vertices by their numbers, and calls for all of them, in their order: first positions(some), then, when the
+// slices are released, used_by_others(some), as in RoutedMesh. Memory: 13 bytes per vertex of the slice.
+struct TakeVertices {
+  std::function<void(std::span<const Vec3f>)> positions;
+  std::function<void(std::span<const std::uint8_t>)> used_by_others;
+};
+void fetch_vertices(CleanSlices&& clean, std::span<const std::uint32_t> numbers, Ranks& ranks,
+                    const TakeVertices& take);
 
 }  // namespace lodestone

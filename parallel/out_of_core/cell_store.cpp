@@ -1,7 +1,5 @@
 #include "parallel/out_of_core/cell_store.h"
 
-#include <vector>
-
 namespace lodestone {
 namespace {
 
@@ -84,6 +82,13 @@ void CellStore::get(const StoredCell& stored, bool for_block, CellBuild& cell) c
     file_.read_at(at, bytes);
     at += bytes.size();
   });
+}
+
+void CellStore::get_border(const StoredCell& stored, std::vector<Vec3f>& positions, std::vector<float>& errors) const {
+  positions.resize(stored.shared), errors.resize(stored.border_errors);
+  file_.read_at(stored.body + (stored.vertices - stored.shared) * sizeof(Vec3f), writable_bytes(positions));
+  const std::uint64_t payload = plain_bytes(counts_of(stored, false, attributes_));
+  file_.read_at(stored.body + payload, writable_bytes(errors));
 }
 
 void CellStore::get_for_block(const StoredCell& stored, CellBuild& cell) const { get(stored, true, cell); }

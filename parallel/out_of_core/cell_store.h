@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/files/scratch_file.h"
 #include "core/hierarchy/construct/cell_build.h"
@@ -33,6 +34,9 @@ class CellStore {
   void get_for_block(const StoredCell& stored, CellBuild& cell) const;
   // The payload.
   void get_payload(const StoredCell& stored, bool has_parents, CellBuild& cell) const;
+
+  // The positions of the vertices that other cells share, and Cell::border_errors.
+  void get_border(const StoredCell& stored, std::vector<Vec3f>& positions, std::vector<float>& errors) const;
 
   // Bytes of a cell in the file.
   [[nodiscard]] std::uint64_t body_bytes(const StoredCell& cell, bool for_block) const;

@@ -4,7 +4,8 @@
 
 namespace lodestone {
 
-void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<void(std::uint64_t)>& progress) {
+void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<void(std::uint64_t)>& progress,
+                                    const std::function<void(SharedVertices&)>& join) {
   std::vector<SpilledFinestScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
   std::atomic<std::uint64_t> seen{0};
   scheduler.for_chunks(cells_.codes.size(), 4, [&](ChunkRange range) {
@@ -19,6 +20,7 @@ void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<vo
     }
     if (progress) progress(seen);
   });
+  if (join) join(shared_);
   shared_.finish(scheduler);
 }
 

@@ -35,8 +35,10 @@ class SpilledFinest {
       : cells_(cells), triangles_(triangles), vertices_(vertices), config_(config), shared_(vertices) {}
 
   // Adds up what the cells know of the vertices that they share: once, before any cell is made. `progress` is called
-  // with how many triangles have been looked at, from time to time, from any thread.
-  void describe_shared(Scheduler& scheduler, const std::function<void(std::uint64_t)>& progress = {});
+  // with how many triangles have been looked at, from time to time, from any thread. `join`, if given, is called when
+  // all cells are added: it may add what cells elsewhere know.
+  void describe_shared(Scheduler& scheduler, const std::function<void(std::uint64_t)>& progress = {},
+                       const std::function<void(SharedVertices&)>& join = {});
 
   // Makes the cell without parents. Its triangles lie in `room`, as many as there are.
   void make(CellRank rank, std::span<Triangle> room, SpilledFinestScratch& scratch, CellBuild& cell) const;

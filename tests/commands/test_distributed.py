@@ -5,13 +5,14 @@ usage: LODESTONE_MPI=PROGRAM LAUNCHER=mpirun test_distributed.py PROGRAM"""
 import contextlib
 import json
 import os
+import pathlib
 import pty
 import signal
 import subprocess
 import unittest
 
 import command_case
-from command_case import FILE, INPUT, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
+from command_case import FILE, INPUT, RESOURCE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
 from slurm_case import SlurmCase
 
 # Open MPI: more ranks than processors, also as root in a container.
@@ -205,6 +206,48 @@ class UnderLauncher(DistributedCase):
         self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either files or --generate")
         self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode"), UNSUPPORTED, "lodestone build")
         self.assert_refused(self.job(2, surface(), "--generate", "sphere:100", "-o", "m.lode"), USAGE, "--generate")
+
+    def test_a_limit_is_kept_with_temporary_files(self):
+        job = ("--generate", "sphere:2e6", "--cell-triangles", 300, "--threads", 1)
+        expected, figures = self.built(2, *job)
+        self.assertFalse(figures["spilled"])
+        for name in ("m.lode", "m.json"):
+            (self.folder / name).unlink()
+        done = self.job(2, *job, "-o", "m.lode", "--memory-limit", "1MiB")
+        self.assert_refused(done, RESOURCE, "generated surface: building by ranks needs ", "give --memory-limit ")
+        least = done.stderr.split("--memory-limit ")[1].split("MiB")[0]
+        built, figures = self.built(2, *job, "--memory-limit", f"{least}MiB")
+        self.assertTrue(built == expected)
+        self.assertTrue(figures["spilled"])
+        self.assertEqual(figures["memory_limit"], int(least) << 20)
+        for rank in figures["ranks"]:
+            self.assertLess(rank["peak_bytes"], int(least) << 20)
+
+    def test_limits_are_refused_in_one_line(self):
+        small = ("--generate", "sphere:5000", "-o", "m.lode")
+        self.assert_refused(self.job(2, *small, "--memory-limit", "much"), USAGE, "--memory-limit")
+        self.assert_refused(self.job(2, *small, "--scratch", "."), USAGE, "--scratch", "--memory-limit")
+
+    def temporary_files(self):
+        """Those without names that processes have open in the folder."""
+        found = []
+        for pid in processes_in(self.folder, lambda words: words[0] == os.environ["LODESTONE_MPI"]):
+            for descriptor in pathlib.Path(f"/proc/{pid}/fd").iterdir():
+                with contextlib.suppress(OSError):  # closed meanwhile
+                    if os.readlink(descriptor).startswith(f"{self.folder}/scratch/"):
+                        found.append(descriptor)
+        return found
+
+    def test_an_interrupted_job_leaves_no_temporary_file(self):
+        (self.folder / "scratch").mkdir()
+        with subprocess.Popen(command(2, "--generate", "sphere:4e6", "-o", "m.lode", "--threads", 1, "--memory-limit",
+                                      "170MiB", "--scratch", "scratch", "--quiet"),
+                              cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT) as job:
+            until(self.temporary_files, "temporary files", timeout=60)
+            job.send_signal(signal.SIGINT)
+            self.assertNotEqual(job.wait(60), 0)
+        self.assertEqual(self.listing(), {"scratch": None})
+        self.assertEqual(list((self.folder / "scratch").iterdir()), [])
 
     def test_a_rank_that_is_killed_ends_the_job_without_a_file(self):
         with subprocess.Popen(command(3, "--generate", "sphere:20e6", "-o", "m.lode", "--threads", 1, "--quiet"),

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "parallel/distributed/build_distributed.h"
+#include "parallel/distributed/building/build_distributed.h"
 #include "parallel/distributed/local_transport.h"
 #include "parallel/out_of_core/build_model.h"
 #include "tests/parallel/stream_meshes.h"

@@ -1,8 +1,11 @@
-#include "parallel/distributed/build_distributed.h"
+#include "parallel/distributed/building/build_distributed.h"
 
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
+#include "parallel/distributed/building/stored_levels.h"
 #include "parallel/distributed/distributed_clean.h"
 #include "parallel/distributed/rank_blocks.h"
 #include "parallel/distributed/rank_finest.h"
@@ -29,6 +32,19 @@ void check(const MeshStream& stream) {
     throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
   if (stream.triangle_count() >= 0xffff'ffffu)
     throw ResourceError(describe(stream.name(), "", "more triangles than 32-bit numbers reach", "split the model"));
+}
+
+RankMemory memory_of(const RankInput& input, const DistributedConfig& config, Ranks& ranks, Scheduler& scheduler) {
+  RankLimit limit = config.limit;
+  if (limit.scratch.empty()) limit.scratch = config.output.parent_path();
+  return {input, limit, config.build, ranks, scheduler.workers()};
+}
+
+void describe_input(const CleanSlices& clean, Hierarchy& head) {
+  head.transform = clean.transform;
+  head.provenance.repairs = clean.repairs;
+  head.provenance.input_vertices = clean.vertices_left.total();
+  head.provenance.input_triangles = clean.triangles_left;
 }
 
 // Measures the stages of a rank.
@@ -88,40 +104,52 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   DistributedResult result;
   Hierarchy& head = result.tables;
   RankInput input;
+  std::optional<RankMemory> memory;
   CleanSlices clean = stages.run("reading", [&] {
     ranks.begin("reading");
     input = open(ranks, scheduler);
     check(*input.stream);
-    return distributed_clean(input, config.lattice, ranks, scheduler);
+    memory = memory_of(input, config, ranks, scheduler);
+    return distributed_clean(input, config.lattice, ranks, scheduler, memory->compared_items());
   });
   result.warnings = std::move(input.warnings);
-  head.transform = clean.transform;
-  head.provenance.repairs = clean.repairs;
-  head.provenance.input_vertices = clean.vertices_left.total();
-  head.provenance.input_triangles = clean.triangles_left;
+  describe_input(clean, head);
   describe_config(config.build, head);
 
+  std::unique_ptr<StoredFinest> stored;  // if the rank does not keep its cells in memory
   auto [choice, routed] = stages.run("sorting", [&] {
     FinestChoice chosen = choose_cells(*input.stream, clean, config.build, ranks);
-    RoutedMesh mesh = route_triangles(*input.stream, std::move(clean), chosen, ranks);
+    RoutedMesh mesh;
+    if (memory->spills())
+      stored = std::make_unique<StoredFinest>(*input.stream, std::move(clean), chosen, *memory, ranks, scheduler);
+    else
+      mesh = route_triangles(*input.stream, std::move(clean), chosen, ranks);
     input.stream.reset();
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
     ranks.begin("sharing");
-    RankFinest made = make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
-    head.provenance.fingerprint = ranks.sum(made.fingerprint);
+    RankFinest made;
+    if (stored)
+      stored->share(choice, config.build.sigma0, ranks, scheduler);
+    else
+      made = make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
+    head.provenance.fingerprint = ranks.sum(stored ? stored->cells().fingerprint : made.fingerprint);
     return made;
   });
-  const std::vector<CellPart> levels = stages.run("building", [&] {
-    return build_rank_levels(std::move(finest.part), choice.level,
-                             {config.build, choice.owners, head.transform.lattice}, ranks, scheduler);
+  stages.report.triangles = stored ? stored->triangles() : finest.triangles.size();
+  const std::unique_ptr<RankLevels> levels = stages.run("building", [&]() -> std::unique_ptr<RankLevels> {
+    const BlockSetting setting{config.build, choice.owners, head.transform.lattice};
+    if (stored)
+      return std::make_unique<StoredLevels>(std::move(stored), choice.level, setting, *memory, ranks, scheduler);
+    return std::make_unique<RankLevelsInMemory>(
+        build_rank_levels(std::move(finest.part), choice.level, setting, ranks, scheduler));
   });
-  stages.report.triangles = finest.triangles.size();
-  for (const CellPart& part : levels) stages.report.cells += part.codes.size();
+  for (std::size_t l = 0; l < levels->level_count(); ++l) stages.report.cells += levels->codes(l).size();
+  result.spilled = memory->spills();
   result.file_bytes = stages.run("writing", [&] {
     return save_ranks(
-        levels, head, config.output, [&] { result.ranks = stages.gather(); }, ranks, scheduler);
+        *levels, head, config.output, [&] { result.ranks = stages.gather(); }, ranks, scheduler);
   });
   result.ranks[static_cast<std::size_t>(ranks.rank())] = stages.report;
   return result;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "parallel/distributed/building/rank_memory.h"
 #include "parallel/distributed/rank_input.h"
 #include "parallel/distributed/ranks.h"
 #include "parallel/hierarchy/build.h"
@@ -21,6 +22,9 @@ struct DistributedConfig {
   BuildConfig build{};             // not: strategy, refine, order_cells, progress
   std::filesystem::path output{};  // the .lode file, in a folder that all machines share
   Lattice lattice{};               // none, or one
+  // Cells and triangles that do not fit are put into temporary files without names, which vanish however the build
+  // ends: in the folder of the output if no other is given.
+  RankLimit limit{};
   // Called by all ranks at the start of each stage, with its name for people.
   std::function<void(const std::string&)> on_stage{};
   // Called by all ranks when the file is complete but for what rank 0 writes alone, for the caller's own messages:
@@ -47,14 +51,15 @@ struct DistributedResult {
   Hierarchy tables;                   // without payloads: levels and cells at rank 0 alone
   std::uint64_t file_bytes = 0;       // at rank 0
   std::vector<std::string> warnings;  // about the input
+  bool spilled = false;               // the cells were kept in temporary files
   std::vector<RankReport> ranks;      // at all ranks; the last stage of the others ends before that of rank 0
 };
 
 using OpenInput = std::function<RankInput(Ranks&, Scheduler&)>;
 
-// Called by all ranks, for the same input and with the same configuration. Throws what build_model throws;
-// UnsupportedError for a mesh with attributes and for options that are not built by ranks. An error of one rank has to
-// reach the others (Transport::fail), or they wait until the time-out.
+// Called by all ranks, for the same input and with the same configuration. Throws what build_model throws, also for a
+// limit; UnsupportedError for a mesh with attributes and for options that are not built by ranks. An error of one rank
+// has to reach the others (Transport::fail), or they wait until the time-out.
 [[nodiscard]] DistributedResult build_distributed(const OpenInput& open, const DistributedConfig& config, Ranks& ranks,
                                                   Scheduler& scheduler);
 
