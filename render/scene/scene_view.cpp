@@ -319,13 +319,14 @@ std::vector<Camera> camera_path(const SceneView& view, ImageSize size) {
   const Framing framing{view.up(), aspect_of(size)};
   if (way.path.empty()) return resample_path(way.keys, way.frames, "the camera's keys");
   if (way.path == "orbit") return orbit_path(view.bounding_sphere(), way.frames, framing);
-  if (way.path != "fly-in") return read_camera_path(way.path, way.frames, framing.up);
+  if (way.path == "wander") return wander_path(view.bounding_sphere(), way.frames, framing.up);
+  if (!is_model_path(way.path)) return read_camera_path(way.path, way.frames, framing.up);
   std::size_t to = 0;
   while (!way.fly_to.empty() && view.scene().models[to].name != way.fly_to) ++to;
   // The model's own path, moved to its placement.
   const Similarity own = to_similarity(view.hierarchy(to).transform);
   const Vec3d up = view.placement(to).rotated_back(framing.up);
-  std::vector<Camera> path = fly_in_path(view.hierarchy(to), way.frames, Framing{up, framing.aspect});
+  std::vector<Camera> path = model_path(way.path, view.hierarchy(to), way.frames, Framing{up, framing.aspect});
   for (Camera& camera : path) {
     camera.up = framing.up;
     camera.position = view.placement(to)(own.inverse(camera.position));
