@@ -85,6 +85,11 @@ class UnderLauncher(DistributedCase):
         self.assertTrue(self.built(3, *files, "--up", "z", "--no-attributes")[0] ==
                         model("files.lode", "build", *files, "--up", "z", "--no-attributes").read_bytes())
 
+    def test_attributes_and_halved_textures(self):
+        expected = model("halved.lode", "build", command_case.TEXTURED, "--texture-levels").read_bytes()
+        for ranks in (1, 3):
+            self.assertTrue(self.built(ranks, command_case.TEXTURED, "--texture-levels")[0] == expected, ranks)
+
     def test_a_generated_surface_needs_no_file(self):
         made = model("terrain.ply", "generate", "terrain", "--triangles", 50_000, "--seed", 5)
         expected = model("terrain.lode", "build", made).read_bytes()
@@ -203,7 +208,6 @@ class UnderLauncher(DistributedCase):
         self.assert_refused(self.job(2, surface(), "-o", "no/m.lode"), FILE, "rank 0 on ", "no/m.lode")
         self.assert_refused(self.job(2, surface(), "-o", "m.lode", "--ranks"), USAGE, "lodestone-mpi build --help")
         self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either files or --generate")
-        self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode"), UNSUPPORTED, "lodestone build")
         self.assert_refused(self.job(2, surface(), "--generate", "sphere:100", "-o", "m.lode"), USAGE, "--generate")
 
     def test_a_rank_that_is_killed_ends_the_job_without_a_file(self):
