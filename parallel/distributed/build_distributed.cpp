@@ -1,14 +1,17 @@
 #include "parallel/distributed/build_distributed.h"
 
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
 #include "parallel/distributed/distributed_clean.h"
+#include "parallel/distributed/distributed_wedges.h"
 #include "parallel/distributed/rank_blocks.h"
 #include "parallel/distributed/rank_finest.h"
 #include "parallel/distributed/rank_save.h"
 #include "parallel/distributed/route_triangles.h"
 #include "parallel/hierarchy/build_blocks.h"
+#include "parallel/hierarchy/texture_levels.h"
 
 namespace lodestone {
 namespace {
@@ -21,14 +24,20 @@ void check(const DistributedConfig& config) {
 
 void check(const MeshStream& stream) {
   if (stream.has_attributes())
-    throw UnsupportedError(describe(stream.name(), "",
-                                    "has attributes of vertices, which several ranks do not build: wedges of a vertex "
-                                    "would have to be welded across them",
-                                    "leave them out (--no-attributes), or use lodestone build"));
+    throw UnsupportedError(describe(stream.name(), "", "has attributes of vertices, which are not read in slices",
+                                    "open it with open_rank_input"));
   if (stream.vertex_count() >= FinestVertices::shared_flag)
     throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
   if (stream.triangle_count() >= 0xffff'ffffu)
     throw ResourceError(describe(stream.name(), "", "more triangles than 32-bit numbers reach", "split the model"));
+}
+
+// At rank 0, which has all textures.
+void copy_textures(const std::string& name, DistributedResult& result, Ranks& ranks, Scheduler& scheduler) {
+  ranks.begin("halving textures");
+  if (ranks.rank() > 0) return;
+  for (const std::string& warning : add_texture_copies(result.tables, scheduler))
+    result.warnings.push_back(name + ": " + warning);
 }
 
 // Measures the stages of a rank.
@@ -88,23 +97,33 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   DistributedResult result;
   Hierarchy& head = result.tables;
   RankInput input;
+  std::optional<WedgeSlices> wedges;
   CleanSlices clean = stages.run("reading", [&] {
     ranks.begin("reading");
     input = open(ranks, scheduler);
     check(*input.stream);
-    return distributed_clean(input, config.lattice, ranks, scheduler);
+    CleanSlices cleaned = distributed_clean(input, config.lattice, ranks, scheduler);
+    if (!input.surface) return cleaned;
+    head.materials = std::move(input.surface->materials);
+    head.textures = std::move(input.surface->textures);
+    wedges = weld_wedges(std::move(*input.surface), *input.stream, cleaned, ranks, scheduler);
+    input.stream = std::move(wedges->triangles);
+    head.attributes = wedges->attributes();
+    return cleaned;
   });
+  const std::string name = input.stream->name();
   result.warnings = std::move(input.warnings);
   head.transform = clean.transform;
   head.provenance.repairs = clean.repairs;
-  head.provenance.input_vertices = clean.vertices_left.total();
   head.provenance.input_triangles = clean.triangles_left;
   describe_config(config.build, head);
+  head.provenance.input_vertices = clean.vertices_left.total();
 
   auto [choice, routed] = stages.run("sorting", [&] {
     FinestChoice chosen = choose_cells(*input.stream, clean, config.build, ranks);
     RoutedMesh mesh = route_triangles(*input.stream, std::move(clean), chosen, ranks);
     input.stream.reset();
+    if (wedges) attach_wedges(*std::exchange(wedges, {}), mesh, ranks);
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
@@ -115,13 +134,18 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   });
   const std::vector<CellPart> levels = stages.run("building", [&] {
     return build_rank_levels(std::move(finest.part), choice.level,
-                             {config.build, choice.owners, head.transform.lattice}, ranks, scheduler);
+                             {config.build, choice.owners, head.transform.lattice, head.attributes}, ranks, scheduler);
   });
   stages.report.triangles = finest.triangles.size();
   for (const CellPart& part : levels) stages.report.cells += part.codes.size();
   result.file_bytes = stages.run("writing", [&] {
     return save_ranks(
-        levels, head, config.output, [&] { result.ranks = stages.gather(); }, ranks, scheduler);
+        levels, head, config.output,
+        [&] {
+          if (config.texture_copies) copy_textures(name, result, ranks, scheduler);
+          result.ranks = stages.gather();
+        },
+        ranks, scheduler);
   });
   result.ranks[static_cast<std::size_t>(ranks.rank())] = stages.report;
   return result;
