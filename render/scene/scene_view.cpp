@@ -221,6 +221,7 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
     frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;
+    frame_.models[m].runs = &placed_[m].runs;
     frame_.models[m].casters = nullptr;
     const bool closed = config.clip && m < config.closed.size() && config.closed[m];
     frame_.models[m].solid = closed ? frame_.models[m].selection : nullptr;
