@@ -74,9 +74,7 @@ std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiC
   return cameras;
 }
 
-bool is_path_file(const std::string& camera) {
-  return camera != "orbit" && camera != "fly-in" && camera != "adversarial";
-}
+bool is_path_file(const std::string& camera) { return !is_model_path(camera) && camera != "adversarial"; }
 
 std::vector<FileArgument> input_files(const RenderOptions& options) {
   std::vector<FileArgument> files{{"FILE", options.file}};
@@ -315,7 +313,7 @@ OptionTable declare_view(RenderOptions& o) {
                  std::string("Hierarchy (.lode), scene (.toml), or a mesh that is built first (") + mesh_formats + ")"}
           .must(),
       {"--camera", &o.camera,
-       "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise"},
+       "fly-in, orbit, walk, wander, adversarial, or a path file (.json); fly-in unless the scene says otherwise"},
       OptionSpec{"--frames", &o.frames, "Number of frames; 120 unless the scene says otherwise"}.between(1, 1e6),
       up_option(o.reading.up),
       {"--size", &o.size, "Picture size"},

@@ -28,7 +28,7 @@ struct JobOptions {
   std::optional<int> levels, lattice_bits;
   std::string simplifier = BuildConfig{}.simplifier;
   std::optional<std::string> placement;
-  bool half_levels = false, no_attributes = false;
+  bool half_levels = false, texture_levels = false, no_attributes = false;
   double timeout = 600;
 };
 
@@ -50,6 +50,7 @@ DistributedConfig config_of(const JobOptions& options) {
   config.build.simplifier = options.simplifier;
   if (options.placement) config.build.placement = placement_named(*options.placement);
   config.output = options.output;
+  config.texture_copies = options.texture_levels;
   config.lattice = {options.lattice_bits.value_or(0)};
   config.limit = {.bytes = options.memory_limit.count, .scratch = options.scratch};
   return config;
@@ -218,6 +219,7 @@ OptionTable declare(JobOptions& o) {
        OptionSpec{"--lattice", &o.lattice_bits, "Put the vertices on multiples of 2^-BITS of the longest extent"}
            .between(1, Lattice::most_bits)
            .of_type("BITS"),
+       {"--texture-levels", &o.texture_levels, "Store copies of the textures for coarser levels"},
        {"--simplifier", &o.simplifier, "quadric, cluster, openmesh or meshopt"},
        {"--placement", &o.placement, "optimal or endpoint"},
        {"--memory-limit", &o.memory_limit,
@@ -251,6 +253,7 @@ void add_build_job(CommandTable& commands, MpiTransport& transport) {
   add_job<JobOptions>(commands, transport,
                       {"build", "Build the hierarchical level of detail of a mesh by all processes of an MPI job",
                        "  mpirun -n 4 lodestone-mpi build statue.ply -o statue.lode --threads 2 --json build.json\n"
+                       "  mpirun -n 4 lodestone-mpi build city/tileset.json -o city.lode --texture-levels\n"
                        "  mpirun -n 8 lodestone-mpi build --generate sphere:64e6:1 -o sphere.lode --threads 1\n"},
                       {declare, check, run});
 }

@@ -19,7 +19,7 @@ VerifyReport verify_all(const RankCells& cells, Ranks& ranks, const std::string&
   if (!cells.hierarchy.signatures)
     throw UnsupportedError(
         describe(file, "", "has no signatures, as radii need them", "verify it with lodestone, in one process"));
-  VerifyReport report = verify_ranks(cells, ranks, file, progress);
+  VerifyReport report = verify_ranks(cells, ranks, progress);
   if (ranks.rank() == 0 && report.find("structure")->passed) report.checks.push_back(verify_radii(cells.hierarchy));
   return report;
 }
@@ -48,9 +48,8 @@ void run(const VerifyJobOptions& options, const CommonOptions& common, Transport
 }
 
 OptionTable declare(VerifyJobOptions& o) {
-  return {
-      OptionSpec{"FILE", &o.file, "Hierarchy (.lode), without attributes, on a disk that all machines share"}.must(),
-      timeout_option(o.timeout)};
+  return {OptionSpec{"FILE", &o.file, "Hierarchy (.lode), on a disk that all machines share"}.must(),
+          timeout_option(o.timeout)};
 }
 
 }  // namespace

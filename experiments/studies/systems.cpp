@@ -42,7 +42,7 @@ std::vector<ParameterInfo> parameters() {
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
       effects_parameter("of all pictures; geomorph, which is the system's own, runs in any case"),
       {"fade_width", 0.25, "", "of cross-fade: way of a fade over the distance at which it begins", 0, 10, {}},
-      camera_parameter("path", {"orbit", "fly-in"}),
+      camera_parameter("path"),
   };
   append(list, path_parameters());
   append(list, picture_parameters());

@@ -70,19 +70,20 @@ std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& rad
 }
 
 std::vector<Camera> whole_path(const Hierarchy& hierarchy, const std::string& camera, int frames) {
-  if (camera == "orbit") return orbit_path(hierarchy, frames);
-  if (camera == "fly-in") return fly_in_path(hierarchy, frames);
+  if (is_model_path(camera)) return model_path(camera, hierarchy, frames, {up_of(hierarchy), 1});
   return read_camera_path(camera, frames, up_of(hierarchy));
 }
 
 }  // namespace
 
-ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> names) {
+ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> more) {
   const auto usual_form = [](const std::string& text) -> std::optional<std::string> {
     if (!text.ends_with(".json")) return {};
     return std::filesystem::path(text).lexically_normal().string();
   };
   const auto look_into = [](const std::string& path) { (void)read_camera_keys(path); };
+  std::vector<std::string> names = model_path_names();
+  names.insert(names.end(), more.begin(), more.end());
   return as_condition({"camera", "fly-in", "", description, 0, 0, std::move(names),
                        OtherTexts{"or the file of a recorded path (.json)", usual_form, look_into}});
 }
@@ -115,7 +116,7 @@ std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& p
 
 std::vector<ParameterInfo> viewpoint_parameters() {
   std::vector<ParameterInfo> list{
-      camera_parameter("path or viewpoints", {"orbit", "fly-in", "random", "adversarial"}),
+      camera_parameter("path or viewpoints", {"random", "adversarial"}),
       as_condition({"step", 0.01, "", "of random pairs, over the distance from the model's middle", 1e-6, 0.5, {}}),
       as_condition({"seed", 1, "", "of random viewpoints", 0, 1e9, {}}),
   };

@@ -22,16 +22,17 @@ struct Shot {
 [[nodiscard]] std::vector<ParameterInfo> path_parameters();
 // The part has to have a length.
 void check_path(SettingVerdict& verdict, const Parameters& parameters);
-// "camera": one of these names, or the file of a recorded path, as `render --camera` takes it.
-[[nodiscard]] ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> names);
-// Cameras of the path that "camera" names: "orbit", "fly-in" or a file. Throws what read_camera_path throws.
+// "camera": the name of a path (render/camera/camera.h), one of `more` names, or the file of a recorded path, as
+// `render --camera` takes it.
+[[nodiscard]] ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> more = {});
+// Cameras of the path that "camera" names, or of its file. Throws what read_camera_path throws.
 [[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& parameters);
 
-// "camera" (orbit, fly-in, random, adversarial, or a file), "step", "seed", and those of a path.
+// "camera" (a path, random, adversarial, or a file), "step", "seed", and those of a path.
 [[nodiscard]] std::vector<ParameterInfo> viewpoint_parameters();
 void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters);
 
-// orbit, fly-in, a file: the frames of a path, each following the one before.
+// A path or a file: its frames, each following the one before.
 // random: pairs of viewpoints a step apart, spread evenly over directions, and between 1.1 and 8 radii of the bounding
 // sphere in the logarithm of the distance, looking at a point within its inner half.
 // adversarial: pairs on both sides of the exchange of a cell, where inadmissible radii crack first

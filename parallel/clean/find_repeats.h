@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/clean_kernels.h"
@@ -102,6 +103,35 @@ std::uint64_t find_repeats(std::size_t count, std::size_t working_bytes, const V
     for (const std::uint64_t here : repeats) total += here;
   }
   return total;
+}
+
+// The numbers of an item, and of the one with the smallest number that equals it.
+template <class Number>
+struct Repeat {
+  Number repeat, first;
+};
+
+// The repeats among items {key, number} in any order of their numbers, which change places among equal items. Keys have
+// hash_of and ==.
+template <class Item>
+[[nodiscard]] auto repeats_among(std::vector<Item>& items, Scheduler& scheduler) {
+  constexpr std::uint32_t none = 0xffff'ffffu;
+  std::vector<std::uint32_t> first_of(items.size(), none);  // by item that equals another one: that
+  find_repeats(
+      items.size(), all_in_memory,
+      [&](ChunkRange range, const auto& take) {
+        for (std::size_t i = range.begin; i < range.end; ++i) take(i, hash_of(items[i].key));
+      },
+      [&](std::uint32_t a, std::uint32_t b) { return items[a].key == items[b].key; },
+      [&](std::uint32_t repeat, std::uint32_t first) {  // all that are equal: on one thread
+        if (items[repeat].number < items[first].number) std::swap(items[repeat].number, items[first].number);
+        first_of[repeat] = first;
+      },
+      scheduler);
+  std::vector<Repeat<decltype(Item::number)>> repeats;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (first_of[i] != none) repeats.push_back({items[i].number, items[first_of[i]].number});
+  return repeats;
 }
 
 }  // namespace lodestone

@@ -44,6 +44,37 @@ std::vector<T> gathered(const std::vector<T>& items, const std::vector<std::uint
 
 }  // namespace
 
+void make_finite(RawWedges& wedges) {
+  for (Vec2f& uv : wedges.uv)
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
+  for (Vec3f& n : wedges.normal)
+    if (!is_finite(n)) n = {};
+  for (Vec2f& uv : wedges.uv) uv = {uv.x + 0.0f, uv.y + 0.0f};
+  for (Vec3f& n : wedges.normal) n = {n.x + 0.0f, n.y + 0.0f, n.z + 0.0f};
+}
+
+std::vector<std::uint32_t> give_materials(RawWedges& wedges, std::size_t& count) {
+  constexpr std::uint32_t unknown = no_material - 1;
+  std::vector<std::uint32_t> material(count, unknown);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> copies;
+  for (std::size_t t = 0; t < wedges.material.size(); ++t)
+    for (std::uint32_t& w : wedges.corners[t].v) {
+      const std::uint32_t of_triangle = wedges.material[t];
+      if (material[w] == unknown) material[w] = of_triangle;
+      if (material[w] == of_triangle) continue;
+      const auto [at, is_new] = copies.try_emplace({w, of_triangle}, static_cast<std::uint32_t>(count));
+      if (is_new) {
+        if (!wedges.uv.empty()) wedges.uv.push_back(wedges.uv[w]);
+        if (!wedges.colour.empty()) wedges.colour.push_back(wedges.colour[w]);
+        if (!wedges.normal.empty()) wedges.normal.push_back(wedges.normal[w]);
+        material.push_back(of_triangle);
+        ++count;
+      }
+      w = at->second;
+    }
+  return material;
+}
+
 WedgePreparation::WedgePreparation(RawMesh& raw, Scheduler& scheduler)
     : scheduler_(scheduler), count_(wedge_count(raw)) {
   wedges_ = std::exchange(raw.wedges, {});
@@ -52,18 +83,7 @@ WedgePreparation::WedgePreparation(RawMesh& raw, Scheduler& scheduler)
   if (!wedges_.material.empty() && count_ == 0) count_ = raw.positions.size();  // only materials
   if (count_ == 0) return;
   if (wedges_.corners.empty()) wedges_.corners = raw.triangles;
-  make_finite();
-}
-
-// A value that is not a number counts as not given.
-void WedgePreparation::make_finite() {
-  for (Vec2f& uv : wedges_.uv)
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
-  for (Vec3f& n : wedges_.normal)
-    if (!is_finite(n)) n = {};
-  // Equal values have equal bits.
-  for (Vec2f& uv : wedges_.uv) uv = {uv.x + 0.0f, uv.y + 0.0f};
-  for (Vec3f& n : wedges_.normal) n = {n.x + 0.0f, n.y + 0.0f, n.z + 0.0f};
+  make_finite(wedges_);
 }
 
 void WedgePreparation::compact(const std::vector<Triangle>& triangles) {
@@ -75,7 +95,8 @@ void WedgePreparation::compact(const std::vector<Triangle>& triangles) {
 
 void WedgePreparation::attach(IndexedMesh& mesh) {
   if (count_ == 0) return;
-  give_materials();
+  if (std::ranges::any_of(wedges_.material, [](std::uint32_t m) { return m != 0; }))
+    material_ = give_materials(wedges_, count_);
   place_wedges(mesh);
   weld();
   number();
@@ -96,29 +117,6 @@ void WedgePreparation::attach(IndexedMesh& mesh) {
     for (std::size_t t = range.begin; t < range.end; ++t)
       for (std::size_t k = 0; k < 3; ++k) mesh.triangles[t].v[k] = numbers_[wedges_.corners[t].v[k]];
   });
-}
-
-// From the triangles to their wedges. A wedge that triangles of several materials use is copied for each of them.
-void WedgePreparation::give_materials() {
-  const std::vector<std::uint32_t>& of_triangle = wedges_.material;
-  if (std::all_of(of_triangle.begin(), of_triangle.end(), [](std::uint32_t m) { return m == 0; })) return;
-  constexpr std::uint32_t unknown = no_material - 1;
-  material_.assign(count_, unknown);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> copies;
-  for (std::size_t t = 0; t < of_triangle.size(); ++t)
-    for (std::uint32_t& w : wedges_.corners[t].v) {
-      if (material_[w] == unknown) material_[w] = of_triangle[t];
-      if (material_[w] == of_triangle[t]) continue;
-      const auto [at, is_new] = copies.try_emplace({w, of_triangle[t]}, static_cast<std::uint32_t>(count_));
-      if (is_new) {
-        if (!wedges_.uv.empty()) wedges_.uv.push_back(wedges_.uv[w]);
-        if (!wedges_.colour.empty()) wedges_.colour.push_back(wedges_.colour[w]);
-        if (!wedges_.normal.empty()) wedges_.normal.push_back(wedges_.normal[w]);
-        material_.push_back(of_triangle[t]);
-        ++count_;
-      }
-      w = at->second;
-    }
 }
 
 // Every wedge belongs to one vertex, so all writers of a place write the same value.

@@ -9,6 +9,14 @@
 
 namespace lodestone {
 
+// A value that is not a number counts as not given. Afterwards equal values have equal bits.
+void make_finite(RawWedges& wedges);
+
+// Takes the materials from the triangles to their wedges: returns that of each of the `count` wedges. A wedge that
+// triangles of several materials use is copied for each of them but the first, after all others: corners, values and
+// `count` follow. Wedges of no triangle get any material.
+[[nodiscard]] std::vector<std::uint32_t> give_materials(RawWedges& wedges, std::size_t& count);
+
 // Follows the triangles through the cleaning by the wedges of their corners; wedges of one welded vertex with equal
 // attributes become one, the first. For a mesh without attributes every call does nothing.
 class WedgePreparation {
@@ -23,8 +31,6 @@ class WedgePreparation {
   void attach(IndexedMesh& mesh);
 
  private:
-  void make_finite();
-  void give_materials();
   void place_wedges(const IndexedMesh& mesh);
   void weld();
   [[nodiscard]] std::uint64_t hash_of(std::size_t wedge) const;

@@ -19,6 +19,8 @@ void visit_cell(AnyCell& cell, const Visit& visit) {
   visit(std::span(cell.slab.positions)), visit(std::span(cell.slab.normals)), visit(std::span(cell.slab.shared_ids));
   visit(std::span(cell.triangles)), visit(std::span(cell.border_errors)), visit(std::span(cell.ids));
   visit(std::span(cell.usage)), visit(std::span(cell.vertex_errors));
+  visit(std::span(cell.vertex_ids)), visit(std::span(cell.slab.uv)), visit(std::span(cell.slab.colours));
+  visit(std::span(cell.slab.materials));
 }
 
 }  // namespace
@@ -41,7 +43,10 @@ void append_cell(CellCode code, const CellBuild& cell, Message& message) {
 }
 
 std::size_t cell_message_bytes(const CellCounts& counts) {
-  constexpr std::size_t per_vertex = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(std::uint32_t) + sizeof(float);
+  const auto [wedges, uv, colours, materials] = counts.attributes;
+  const std::size_t per_vertex = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(std::uint32_t) + sizeof(float) +
+                                 (wedges ? sizeof(std::uint32_t) : 0) + (uv ? sizeof(Vec2f) : 0) +
+                                 (colours ? sizeof(Rgba8) : 0) + (materials ? sizeof(std::uint32_t) : 0);
   constexpr std::size_t per_shared = sizeof(std::uint32_t) + sizeof(float) + sizeof(UsageBox);
   return sizeof(CellHead) + per_vertex * counts.vertices + per_shared * counts.shared +
          sizeof(Triangle) * counts.triangles;
@@ -58,10 +63,11 @@ CellCode CellReader::read(CellBuild& cell) {
   CellHead head;
   take(std::span(&head, 1));
   static_cast<CellFigures&>(cell) = head.figures;
-  cell.slab.allocate(head.vertices, head.shared, head.triangles);
+  cell.slab.allocate(head.vertices, head.shared, head.triangles, attributes_);
   cell.triangles = cell.slab.triangles;
   cell.border_errors.resize(head.border_errors);
   cell.ids.resize(head.vertices);
+  cell.vertex_ids.resize(attributes_.wedges ? head.vertices : 0);
   cell.usage.resize(head.shared);
   cell.vertex_errors.resize(head.vertices);
   visit_cell(cell, [&](auto items) { take(items); });

@@ -14,13 +14,15 @@ void append_cell(CellCode code, const CellBuild& cell, Message& message);
 // The bytes that it appends for a cell with so many of them.
 struct CellCounts {
   std::size_t vertices = 0, shared = 0, triangles = 0;
+  AttributeSet attributes{};
 };
 [[nodiscard]] std::size_t cell_message_bytes(const CellCounts& counts);
 
-// Reads the cells of a message, one after the other. Throws Error where the bytes end within a cell.
+// Reads the cells of a message, which all have these attributes, one after the other. Throws Error where the bytes end
+// within a cell.
 class CellReader {
  public:
-  explicit CellReader(const Message& message) : left_(message) {}
+  CellReader(const Message& message, const AttributeSet& attributes) : left_(message), attributes_(attributes) {}
   [[nodiscard]] bool at_end() const { return left_.empty(); }
   CellCode read(CellBuild& cell);
 
@@ -29,6 +31,7 @@ class CellReader {
   void take(std::span<T> to);
 
   std::span<const std::byte> left_;
+  AttributeSet attributes_;
 };
 
 }  // namespace lodestone

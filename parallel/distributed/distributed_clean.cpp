@@ -25,10 +25,7 @@ struct TriangleItem {
   std::uint32_t number;
 };
 
-// An item, and the one with the smallest number that equals it.
-struct Repeat {
-  std::uint32_t repeat, first;
-};
+using NumberRepeat = Repeat<std::uint32_t>;
 
 class DistributedCleaning {
  public:
@@ -185,7 +182,7 @@ class DistributedCleaning {
             emit(rank_of_hash(hash, ranks_), {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
         },
         [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
-    const std::vector<Repeat> repeats = repeats_among(items);
+    const std::vector<NumberRepeat> repeats = repeats_among(items, scheduler_);
     std::vector<WeldItem>().swap(items);
     const std::uint64_t welded = ranks_.sum(repeats.size());
     if (welded == 0) return;
@@ -194,11 +191,11 @@ class DistributedCleaning {
       for (std::uint64_t i = 0; i < own_vertices_; ++i) out_.numbers[i] = static_cast<std::uint32_t>(first_vertex_ + i);
     }
     out_.repairs.welded_vertices += welded;
-    exchange_in_pieces<Repeat>(
+    exchange_in_pieces<NumberRepeat>(
         ranks_, repeats.size(),
         [&](std::uint64_t i, const auto& emit) { emit(out_.vertices.owner(repeats[i].repeat), repeats[i]); },
-        [&](int, const std::vector<Repeat>& some) {
-          for (const Repeat& r : some) out_.numbers[r.repeat - first_vertex_] = r.first;
+        [&](int, const std::vector<NumberRepeat>& some) {
+          for (const NumberRepeat& r : some) out_.numbers[r.repeat - first_vertex_] = r.first;
         });
   }
 
@@ -220,7 +217,7 @@ class DistributedCleaning {
           for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
         });
     std::vector<std::uint32_t> repeats;
-    for (const Repeat& r : repeats_among(items)) repeats.push_back(r.repeat);
+    for (const NumberRepeat& r : repeats_among(items, scheduler_)) repeats.push_back(r.repeat);
     std::vector<TriangleItem>().swap(items);
     out_.repairs.duplicate_triangles += ranks_.sum(repeats.size());
     exchange_in_pieces<std::uint32_t>(
@@ -247,28 +244,6 @@ class DistributedCleaning {
       std::size_t next = 0;
       for_moved([&](std::uint64_t i) { out_.numbers[i] = numbers[next++]; });
     });
-  }
-
-  // Items come in any order of their numbers.
-  template <class Item>
-  [[nodiscard]] std::vector<Repeat> repeats_among(std::vector<Item>& items) {
-    constexpr std::uint32_t none = 0xffff'ffffu;
-    std::vector<std::uint32_t> first_of(items.size(), none);  // by item that equals another one: that
-    find_repeats(
-        items.size(), all_in_memory,
-        [&](ChunkRange range, const auto& take) {
-          for (std::size_t i = range.begin; i < range.end; ++i) take(i, hash_of(items[i].key));
-        },
-        [&](std::uint32_t a, std::uint32_t b) { return items[a].key == items[b].key; },
-        [&](std::uint32_t repeat, std::uint32_t first) {  // all that are equal: on one thread
-          if (items[repeat].number < items[first].number) std::swap(items[repeat].number, items[first].number);
-          first_of[repeat] = first;
-        },
-        scheduler_);
-    std::vector<Repeat> repeats;
-    for (std::size_t i = 0; i < items.size(); ++i)
-      if (first_of[i] != none) repeats.push_back({items[i].number, items[first_of[i]].number});
-    return repeats;
   }
 
   // Calls visit(at, positions) for the vertices of the slice, from `at` on.

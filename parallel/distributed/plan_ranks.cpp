@@ -7,7 +7,6 @@
 #include <numeric>
 #include <random>
 
-#include "core/base/error.h"
 #include "core/hierarchy/construct/cell_table.h"
 #include "core/hierarchy/model/find_signatures.h"
 #include "parallel/distributed/cell_message.h"
@@ -146,8 +145,9 @@ class Planning {
     out.most_received = std::ranges::max(received);
   }
 
-  static std::uint64_t message_bytes(const Cell& cell) {
-    return cell_message_bytes({cell.positions.size(), cell.shared_ids.size(), cell.triangles.size()});
+  [[nodiscard]] std::uint64_t message_bytes(const Cell& cell) const {
+    return cell_message_bytes(
+        {cell.positions.size(), cell.shared_ids.size(), cell.triangles.size(), hierarchy_.attributes});
   }
 
   // Those that consume cells of the level; the root counts as one.
@@ -206,8 +206,6 @@ std::uint64_t RankPlan::moved_bytes() const {
 
 RankPlan plan_ranks(const Hierarchy& hierarchy, const PlanConfig& config) {
   assert(config.ranks >= 1);
-  if (hierarchy.attributes != AttributeSet{})
-    throw UnsupportedError("a hierarchy with attributes is built by one process alone");
   return Planning(hierarchy, config).plan();
 }
 

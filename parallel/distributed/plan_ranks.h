@@ -45,8 +45,7 @@ struct RankPlan {
 
 // Bytes are those of the cells' messages without what Ranks puts before each, which is 32 bytes, and once where they
 // go by way of another rank. Complexity: cells and
-// shared vertices. Memory: 24 bytes per cell, and per rank a few numbers. Throws UnsupportedError for a hierarchy with
-// attributes, which is not built by ranks.
+// shared vertices. Memory: 24 bytes per cell, and per rank a few numbers.
 [[nodiscard]] RankPlan plan_ranks(const Hierarchy& hierarchy, const PlanConfig& config);
 
 }  // namespace lodestone

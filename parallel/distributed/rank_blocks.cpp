@@ -39,7 +39,8 @@ CellPart run_blocks(CellPart& part, int level, const BlockSetting& setting, Rank
   // The share is that of all levels, which take 4/3 of the work of the finest one alone. Ranks have about as much to do
   // as each other, so that this one stands for all.
   config.progress = [&](double share) { ranks.done(std::min(1.0, share * 4 / 3)); };
-  build_blocks({plan, cells, storage, {}, setting.lattice, triangles, static_cast<std::size_t>(scheduler.workers())},
+  build_blocks({plan, cells, storage, setting.attributes, setting.lattice, triangles,
+                static_cast<std::size_t>(scheduler.workers())},
                config, scheduler);
   part.cells = std::move(cells[l]);
   return {plan.levels[l - 1].codes, std::move(cells[l - 1])};
@@ -58,7 +59,7 @@ CellPart sorted(CellPart&& part) {
 }
 
 // Cells go to the ranks that run their blocks.
-CellPart exchange_cells(CellPart&& made, int level, const CellOwners& owners, Ranks& ranks) {
+CellPart exchange_cells(CellPart&& made, int level, const BlockSetting& setting, Ranks& ranks) {
   CellPart out;
   const auto keep = [&](CellCode code, CellBuild&& cell) {
     out.codes.push_back(code);
@@ -69,7 +70,7 @@ CellPart exchange_cells(CellPart&& made, int level, const CellOwners& owners, Ra
     std::vector<Message> messages(static_cast<std::size_t>(ranks.count()));
     for (std::size_t bytes = 0; next < made.cells.size() && bytes < exchange_round_bytes; ++next) {
       CellBuild& cell = made.cells[next];
-      const int owner = owners.owner(made.codes[next], level);
+      const int owner = setting.owners.owner(made.codes[next], level);
       if (owner == ranks.rank()) {
         keep(made.codes[next], std::move(cell));
         continue;
@@ -81,7 +82,7 @@ CellPart exchange_cells(CellPart&& made, int level, const CellOwners& owners, Ra
       cell = CellBuild();
     }
     for (const Message& message : ranks.exchange(std::move(messages)))
-      for (CellReader reader(message); !reader.at_end();) {
+      for (CellReader reader(message, setting.attributes); !reader.at_end();) {
         CellBuild cell;
         const CellCode code = reader.read(cell);
         keep(code, std::move(cell));
@@ -100,7 +101,7 @@ std::vector<CellPart> build_rank_levels(CellPart&& finest, int level, const Bloc
     const auto at = static_cast<std::size_t>(l);
     ranks.begin("building level " + std::to_string(l - 1));
     CellPart made = run_blocks(levels[at], l, setting, ranks, scheduler);
-    levels[at - 1] = exchange_cells(std::move(made), l - 1, setting.owners, ranks);
+    levels[at - 1] = exchange_cells(std::move(made), l - 1, setting, ranks);
   }
   for (CellBuild& cell : levels.front().cells) cell.release_transient();
   return levels;

@@ -19,6 +19,7 @@ struct BlockSetting {
   const BuildConfig& config;  // its strategy and progress are not used
   const CellOwners& owners;
   Lattice lattice{};
+  AttributeSet attributes{};
 };
 
 // Returns the rank's cells by level, from the root: complete, each at the rank that has run its block. A rank may have

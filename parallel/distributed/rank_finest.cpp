@@ -6,7 +6,7 @@
 #include "parallel/distributed/pieces.h"
 #include "parallel/hierarchy/finest_level.h"
 #include "parallel/hierarchy/partition.h"
-#include "parallel/mesh/vertex_sharing.h"
+#include "parallel/hierarchy/shared_vertices.h"
 
 namespace lodestone {
 namespace {
@@ -70,13 +70,14 @@ RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& r
 
   // Vertices of several ranks are shared, whatever the cells of this rank alone say.
   FinestVertices& vertices = partition.vertices;
+  const std::vector<std::uint32_t>& vertex_ids = routed.vertex_ids.empty() ? routed.ids : routed.vertex_ids;
   OuterVertices outer;
   for (std::uint32_t v = 0; v < routed.ids.size(); ++v) {
     if (!routed.used_by_others[v]) continue;
     vertices.sharing[v] |= FinestVertices::shared_flag;
-    outer.emplace_back(routed.ids[v], v);
+    outer.emplace_back(vertex_ids[v], v);
   }
-  vertices.shared = number_shared(vertices.sharing, scheduler);
+  number_shared_vertices(vertices, scheduler);
   std::ranges::sort(outer);
   const auto join = [&](const FinestVertices& all, SharedVertices& shared) {
     join_shared(outer, all, routed.vertices, shared, ranks);
@@ -88,6 +89,7 @@ RankFinest make_rank_finest(RoutedMesh&& given, int grid, float sigma0, Ranks& r
   scheduler.for_chunks(out.part.cells.size(), cell_grain, [&](ChunkRange range) {
     for (std::size_t c = range.begin; c < range.end; ++c) {
       CellBuild& cell = out.part.cells[c];
+      for (std::uint32_t& id : cell.vertex_ids) id = vertex_ids[id];
       for (std::uint32_t& id : cell.ids) id = routed.ids[id];
       for (std::uint32_t& id : cell.slab.shared_ids) id = routed.ids[id];
       cell.error = lattice.error();  // the lattice has moved the input

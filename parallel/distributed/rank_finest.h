@@ -26,7 +26,8 @@ struct RankFinest {
 };
 
 // As make_finest_cells for all ranks together, of the cells of a grid: what cells of several ranks know of a vertex
-// that they share is added up at the rank of its id. Consumes the mesh. Memory: as partition_mesh, and 40 bytes per
+// that they share is added up at the rank of its id. With wedges the ids of their vertices are those of all ranks.
+// Consumes the mesh. Memory: as partition_mesh, and 40 bytes per
 // vertex shared between ranks.
 [[nodiscard]] RankFinest make_rank_finest(RoutedMesh&& routed, int grid, float sigma0, Ranks& ranks,
                                           Scheduler& scheduler);

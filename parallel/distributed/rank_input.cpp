@@ -12,6 +12,7 @@
 #include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
+#include "parallel/distributed/held_stream.h"
 #include "parallel/mesh/joined_stream.h"
 #include "parallel/mesh/load.h"
 
@@ -26,7 +27,7 @@ struct PartFigures {
   std::uint64_t polygons_triangulated = 0, faces_dropped = 0, void_posts = 0, filled_posts = 0;
   Box3d box;
   Up up;
-  bool has_attributes = false;
+  SurfaceKinds kinds;
 };
 
 PartFigures figures_of(const RawMesh& mesh) {
@@ -38,7 +39,11 @@ PartFigures figures_of(const RawMesh& mesh) {
           .filled_posts = mesh.filled_posts,
           .box = finite_box(mesh.positions),
           .up = mesh.up,
-          .has_attributes = wedge_count(mesh) > 0 || !mesh.materials.empty()};
+          .kinds = kinds_of(mesh)};
+}
+
+std::uint64_t shape_bytes(const RawMesh& mesh) {
+  return sizeof(Vec3d) * mesh.positions.size() + sizeof(Triangle) * mesh.triangles.size();
 }
 
 // A file, or a tile of one: cut where the shares of ranks meet if it is read in pieces, and otherwise whole.
@@ -49,30 +54,6 @@ struct Part {
   std::unique_ptr<MeshStream> stream = {};  // if it is read in pieces
   PartFigures figures = {};
   RawMesh mesh = {};  // a whole part, at its rank
-};
-
-// A whole part, of which the other ranks have the figures alone.
-class WholePart final : public MeshStream {
- public:
-  WholePart(std::string name, const PartFigures& figures, RawMesh&& mesh)
-      : name_(std::move(name)), positions_(std::move(mesh.positions)), held_(std::move(mesh.triangles)) {
-    vertices_ = figures.vertices, triangles_ = figures.triangles;
-    has_attributes_ = figures.has_attributes;
-    up_ = figures.up;
-  }
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* /*wedges*/) const override {
-    std::ranges::copy(std::span(positions_).subspan(first, out.size()), out.begin());
-  }
-  void read_triangles(std::uint64_t first, std::span<Triangle> out) const override {
-    std::ranges::copy(std::span(held_).subspan(first, out.size()), out.begin());
-  }
-  [[nodiscard]] std::uint64_t identity() const override { return 0; }
-
- private:
-  std::string name_;
-  std::vector<Vec3d> positions_;
-  std::vector<Triangle> held_;
 };
 
 // The bytes of a folder are those of what is in it.
@@ -93,12 +74,43 @@ class InputParts {
     for (const Part& part : parts_) ends_.push_back(ends_.back() + std::max<std::uint64_t>(part.bytes, 1));
   }
 
-  // The whole parts of this rank; then all know of all.
+  // The whole parts of this rank; then all know of all. With attributes no part is cut.
   void read() {
     require_agreement();
+    read_wholes([](const Part& part) { return !part.stream; });
+    for (const Part& part : parts_) kinds_.add(part.figures.kinds);
+    const auto is_cut = [](const Part& part) { return part.stream != nullptr; };
+    if (!kinds_.any() || std::ranges::none_of(parts_, is_cut)) return;
+    read_wholes(is_cut);
+    for (Part& part : parts_)
+      if (std::exchange(part.stream, nullptr)) part.mesh.warnings.clear();  // all know them
+  }
+
+  [[nodiscard]] RankInput join() && {
+    RankInput input;
+    input.vertices = slices(&PartFigures::vertices);
+    input.triangles = slices(&PartFigures::triangles);
+    input.warnings = gather_warnings();
+    for (const Part& part : parts_) {
+      input.reading.polygons_triangulated += part.figures.polygons_triangulated;
+      input.reading.faces_dropped += part.figures.faces_dropped;
+      input.reading.void_posts += part.figures.void_posts;
+      input.reading.filled_posts += part.figures.filled_posts;
+    }
+    if (kinds_.any())
+      join_surface(input);
+    else
+      join_shape(input);
+    return input;
+  }
+
+ private:
+  // Those of this rank of the parts that `takes`.
+  template <class Takes>
+  void read_wholes(const Takes& takes) {
     std::vector<std::size_t> own;
     for (std::size_t p = 0; p < parts_.size(); ++p)
-      if (!parts_[p].stream && share_of(middle(p)) == ranks_.rank()) own.push_back(p);
+      if (takes(parts_[p]) && share_of(middle(p)) == ranks_.rank()) own.push_back(p);
     std::vector<std::exception_ptr> errors(own.size());
     const auto read = [&](std::size_t i) {
       try {
@@ -118,32 +130,51 @@ class InputParts {
     share_figures(own);
   }
 
-  [[nodiscard]] RankInput join() && {
-    RankInput input;
-    input.vertices = slices(&PartFigures::vertices);
-    input.triangles = slices(&PartFigures::triangles);
-    input.warnings = gather_warnings();
+  void join_shape(RankInput& input) {
     std::vector<std::unique_ptr<MeshStream>> streams;
     for (Part& part : parts_) {
-      input.reading.polygons_triangulated += part.figures.polygons_triangulated;
-      input.reading.faces_dropped += part.figures.faces_dropped;
-      input.reading.void_posts += part.figures.void_posts;
-      input.reading.filled_posts += part.figures.filled_posts;
-      input.held_bytes += sizeof(Vec3d) * part.mesh.positions.size() + sizeof(Triangle) * part.mesh.triangles.size();
-      if (!part.stream)
-        part.stream = std::make_unique<WholePart>(files_[part.file].string(), part.figures, std::move(part.mesh));
+      input.held_bytes += shape_bytes(part.mesh);
+      if (!part.stream) part.stream = held(files_[part.file].string(), part.figures, std::move(part.mesh), 0, 0);
       streams.push_back(std::move(part.stream));
     }
     input.stream = join_streams(std::move(streams), name_of_files(files_));
-    return input;
   }
 
- private:
+  // One mesh of the own parts, which follow each other.
+  void join_surface(RankInput& input) {
+    const std::string name = name_of_files(files_);
+    RawMesh own;
+    PartFigures all;
+    all.up = parts_.front().figures.up;
+    for (Part& part : parts_) {
+      require_same_up(all.up, part.figures.up, files_[part.file].string());
+      all.vertices += part.figures.vertices, all.triangles += part.figures.triangles;
+      // Equal materials of a file remain what they are if it is the first one, and not of tiles.
+      if (&part == &parts_.front() && !part.tile)
+        own = std::move(part.mesh);
+      else
+        append_mesh(own, std::move(part.mesh), name);
+    }
+    input.surface = share_surface(own, kinds_, name, ranks_);
+    input.held_bytes = shape_bytes(own) + surface_bytes(*input.surface);
+    const std::uint64_t first = input.vertices.begin(ranks_.rank());
+    for (Triangle& t : own.triangles)
+      for (std::uint32_t& v : t.v) v += static_cast<std::uint32_t>(first);
+    input.stream = held(name, all, std::move(own), first, input.triangles.begin(ranks_.rank()));
+  }
+
+  static std::unique_ptr<MeshStream> held(std::string name, const PartFigures& figures, RawMesh&& mesh,
+                                          std::uint64_t first_vertex, std::uint64_t first_triangle) {
+    return std::make_unique<HeldStream>(std::move(name), HeldFigures{figures.vertices, figures.triangles, figures.up},
+                                        HeldStream::Part<Vec3d>{first_vertex, std::move(mesh.positions)},
+                                        HeldStream::Part<Triangle>{first_triangle, std::move(mesh.triangles)});
+  }
+
   void list_parts(std::size_t file) {
     const fs::path path = mesh_path(files_[file]);
     std::error_code ignored;
     if (!fs::is_directory(path, ignored)) {
-      if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config_)) {
+      if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, config_); stream && !stream->has_attributes()) {
         Part part{.file = file, .bytes = bytes_of(path)};
         part.figures.vertices = stream->vertex_count();
         part.figures.triangles = stream->triangle_count();
@@ -185,8 +216,6 @@ class InputParts {
     config.progress = {};
     part.mesh = part.tile ? read_tile(*part.tile, config) : load_mesh(files_[part.file], scheduler_, config);
     part.figures = figures_of(part.mesh);
-    part.mesh.wedges = {};
-    std::vector<Texture>().swap(part.mesh.textures);
   }
 
   void share_figures(const std::vector<std::size_t>& own) {
@@ -269,6 +298,7 @@ class InputParts {
   std::vector<Part> parts_;
   std::vector<std::uint64_t> ends_{0};  // bytes of the parts before each, and of all
   std::vector<std::string> warnings_;
+  SurfaceKinds kinds_;  // of all parts
 };
 
 }  // namespace

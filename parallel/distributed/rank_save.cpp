@@ -32,8 +32,8 @@ struct CellPlace {
   CellId id;
 };
 
-PayloadCounts counts_of_record(const CellRecord& cell, bool short_indices) {
-  return {cell.vertices, cell.shared, cell.triangles, cell.level > 0, short_indices, {}};
+PayloadCounts counts_of_record(const CellRecord& cell, const AttributeSet& attributes, bool short_indices) {
+  return {cell.vertices, cell.shared, cell.triangles, cell.level > 0, short_indices, attributes};
 }
 
 // A cell of a rank.
@@ -72,7 +72,7 @@ class Tables {
           head);
       first = head.cells.size();
     }
-    for (const Entry& entry : order) counts_.push_back(counts_of_record(*entry.record, false));
+    for (const Entry& entry : order) counts_.push_back(counts_of_record(*entry.record, head.attributes, false));
     layout_ = plan_lode(head, counts_);
     numbers_.resize(cells);
     for (std::uint32_t c = 0; c < order.size(); ++c) {
@@ -216,7 +216,7 @@ class RankSaver {
     return {levels_.codes(level)[index], level, cell.vertices, cell.shared, cell.triangles, cell};
   }
   [[nodiscard]] std::uint64_t payload_bytes(std::size_t i) const {
-    return lode_aligned(plain_bytes(counts_of_record(record(i), short_indices_)));
+    return lode_aligned(plain_bytes(counts_of_record(record(i), head_.attributes, short_indices_)));
   }
 
   // Cells whose payloads follow each other in the file are written at once, a mebibyte at most or one cell: the first

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "core/base/error.h"
 #include "core/hierarchy/verify/verify_peers.h"
 
 namespace lodestone {
@@ -27,12 +26,7 @@ class RankPeers final : public VerifyPeers {
 
 }  // namespace
 
-VerifyReport verify_ranks(const RankCells& cells, Ranks& ranks, const std::string& name,
-                          const VerifyProgress& progress) {
-  if (cells.hierarchy.attributes.wedges)
-    throw UnsupportedError(describe(name, "",
-                                    "has texture coordinates, colours or materials, which several ranks do not verify",
-                                    "verify it with lodestone, in one process"));
+VerifyReport verify_ranks(const RankCells& cells, Ranks& ranks, const VerifyProgress& progress) {
   RankPeers peers(cells, ranks);
   return verify_by_peers(cells.hierarchy, peers, nullptr, progress);
 }

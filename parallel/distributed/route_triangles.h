@@ -31,6 +31,9 @@ struct RoutedMesh {
   std::vector<std::uint32_t> ids;            // by vertex of the mesh: its number in the whole clean mesh
   std::vector<std::uint8_t> used_by_others;  // by vertex of the mesh: 1 if triangles of other ranks use it, too
   Slices vertices;                           // by id: whose word it is whether others use a vertex
+  // With wedges, which are the vertices of the mesh then: the id of the vertex of each, in `vertices`, and
+  // used_by_others counts for the first one of each vertex. Empty otherwise: the same as ids.
+  std::vector<std::uint32_t> vertex_ids{};
 };
 
 // Consumes the slices. Memory at the peak: 24 bytes per triangle, and about 30 per vertex, of the rank's cells, beside

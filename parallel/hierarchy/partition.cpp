@@ -65,21 +65,25 @@ void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& o
   });
 }
 
-// From the vertices to all their wedges.
-void spread_numbers(FinestVertices& vertices, Scheduler& scheduler) {
-  const std::vector<std::uint32_t>& vertex = vertices.wedges.vertex;
-  scheduler.for_chunks(vertex.size(), vertex_grain, [&](ChunkRange range) {
-    for (std::size_t w = range.begin; w < range.end; ++w)
-      if (vertex[w] != w) vertices.sharing[w] = vertices.sharing[vertex[w]];
-  });
-}
-
 }  // namespace
 
 AttributeSet attributes_of(const IndexedMesh& mesh) {
   const WedgeAttributes& w = mesh.wedges;
   return {
       .wedges = !w.vertex.empty(), .uv = !w.uv.empty(), .colours = !w.colour.empty(), .materials = !w.material.empty()};
+}
+
+void number_shared_vertices(FinestVertices& vertices, Scheduler& scheduler) {
+  const std::vector<std::uint32_t>& vertex = vertices.wedges.vertex;
+  const auto for_others = [&](const auto& value) {  // wedges that are not the first of their vertex
+    scheduler.for_chunks(vertex.size(), vertex_grain, [&](ChunkRange range) {
+      for (std::size_t w = range.begin; w < range.end; ++w)
+        if (vertex[w] != w) vertices.sharing[w] = value(w);
+    });
+  };
+  for_others([](std::size_t) { return unowned; });
+  vertices.shared = number_shared(vertices.sharing, scheduler);
+  for_others([&](std::size_t w) { return vertices.sharing[vertex[w]]; });
 }
 
 Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
@@ -103,8 +107,7 @@ Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
   out.vertices.sharing.assign(out.vertices.positions.size(), unowned);
   out.cells.resize(out.codes.size());
   fill_cells(runs, MemorySource(sorted), out, scheduler);
-  out.vertices.shared = number_shared(out.vertices.sharing, scheduler);
-  if (out.vertices.attributes.wedges) spread_numbers(out.vertices, scheduler);
+  number_shared_vertices(out.vertices, scheduler);
   return out;
 }
 

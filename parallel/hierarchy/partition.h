@@ -23,6 +23,9 @@ struct Partition {
 
 [[nodiscard]] AttributeSet attributes_of(const IndexedMesh& mesh);
 
+// Numbers the flagged vertices anew, by the flags of vertices, and gives all their wedges the same.
+void number_shared_vertices(FinestVertices& vertices, Scheduler& scheduler);
+
 // Consumes the mesh; level in [0, max_level]. The result is the same for any number of workers. Memory at the peak, for
 // V vertices and T triangles, the mesh included: 22 V + 24 T bytes, 35 per triangle when V = T / 2, and 40 bytes for
 // each cell that each 65536 consecutive triangles lie in: little, unless the triangles come in random order.

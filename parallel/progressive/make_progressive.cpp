@@ -31,21 +31,23 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
             .base_triangles = collapse.triangles_left(),
             .rounds = collapse.rounds()};
   scheduler.name_work("assemble");
-  ProgressiveMesh room;
-  resize_in_parallel(room.positions, rings.vertex_count(), scheduler);
-  resize_in_parallel(room.parents, rings.vertex_count(), scheduler);
-  resize_in_parallel(room.errors, rings.vertex_count(), scheduler);
-  resize_in_parallel(room.triangles, mesh.triangles.size(), scheduler);
   progressive::Assembly assembly(mesh, rings,
                                  {.records = std::move(collapse.records()),
-                                  .parents = collapse.parents(),
-                                  .base_triangles = config.base_triangles},
-                                 std::move(room));
+                                  .parents = collapse.take_parents(),
+                                  .base_triangles = config.base_triangles});
   assembly.order();
+  collapse.free_rings();  // what is made now has their place
+  ProgressiveMesh room;
+  resize_in_parallel(room.positions, assembly.vertex_count(), scheduler);
+  resize_in_parallel(room.parents, assembly.vertex_count(), scheduler);
+  resize_in_parallel(room.triangles, mesh.triangles.size(), scheduler);
+  assembly.make_room(std::move(room));
   scheduler.for_chunks(assembly.collapse_count(), assembly_grain,
                        [&](ChunkRange c) { assembly.number(c.begin, c.end); });
   scheduler.for_chunks(assembly.vertex_count(), assembly_grain, [&](ChunkRange c) { assembly.gather(c.begin, c.end); });
   assembly.find_groups();
+  scheduler.for_chunks(assembly.rings_count(), assembly_grain,
+                       [&](ChunkRange c) { assembly.find_ancestors(c.begin, c.end); });
   scheduler.for_chunks(mesh.triangles.size(), assembly_grain,
                        [&](ChunkRange c) { assembly.map_triangles(c.begin, c.end); });
   return assembly.finish();

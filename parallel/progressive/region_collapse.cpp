@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/prefetch.h"
 #include "core/progressive/collapse/collapse_metric.h"
 #include "parallel/progressive/merge_records.h"
 
@@ -64,9 +65,14 @@ void RegionCollapse::for_vertices(const Body& body) {
 
 void RegionCollapse::run() {
   metric_ = progressive::make_metric(config_.metric, rings_, mesh_, config_.weights, kernel_);
-  for_vertices([&](std::size_t begin, std::size_t end) { metric_->start(begin, end); });
   collapser_.emplace(rings_, *metric_, kernel_);
-  for_vertices([&](std::size_t begin, std::size_t end) { collapser_->start(begin, end); });
+  // Ranks by planes need those of the vertex alone: both at once, while its star is in the cache.
+  const bool at_once = metric_->plane_quadrics() != nullptr;
+  for_vertices([&](std::size_t begin, std::size_t end) {
+    metric_->start(begin, end);
+    if (at_once) collapser_->start(begin, end);
+  });
+  if (!at_once) for_vertices([&](std::size_t begin, std::size_t end) { collapser_->start(begin, end); });
   list_vertices();
   const std::size_t enough = std::max(whole_triangles, config_.base_triangles);
   for (std::size_t before = 0; triangles_ > enough && triangles_ != before; ++rounds_) {
@@ -75,6 +81,19 @@ void RegionCollapse::run() {
   }
   collapse_rest();
   metric_.reset();
+}
+
+std::vector<progressive::Id> RegionCollapse::take_parents() {
+  std::vector<progressive::Id> parents = collapser_->take_parents();
+  collapser_.reset();
+  return parents;
+}
+
+void RegionCollapse::free_rings() {
+  rings_.free_rings();
+  arenas_.clear();
+  live_ = std::vector<progressive::Id>(), sorted_ = std::vector<progressive::Id>();
+  cube_ = std::vector<std::uint32_t>();
 }
 
 void RegionCollapse::make_rings() {
@@ -88,6 +107,7 @@ void RegionCollapse::make_rings() {
 }
 
 void RegionCollapse::list_vertices() {
+  live_.reserve(rings_.vertex_count()), records_.reserve(rings_.vertex_count());
   for (progressive::Id v = 0; v < rings_.vertex_count(); ++v)
     if (rings_.is_used(v)) live_.push_back(v);
 }
@@ -124,8 +144,11 @@ void RegionCollapse::collapse_regions(std::size_t round) {
   scheduler_.for_chunks(regions_.size(), 1, [&](ChunkRange c) {
     const std::size_t r = turn[c.index];
     std::vector<progressive::Id> free;
-    for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
+    free.reserve(size(r));
+    for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k) {
+      prefetch(&rings_.ring(sorted_[std::min(k + prefetch_distance, regions_[r].second - 1)]));
       if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
+    }
     records[r] = collapser_->run({.vertices = free, .max_rank = limit}, arenas_[first_arena + r]);
     const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(regions_[r].first),
                end = begin + static_cast<std::ptrdiff_t>(size(r));
@@ -142,9 +165,9 @@ void RegionCollapse::collapse_regions(std::size_t round) {
 }
 
 bool RegionCollapse::is_inside(progressive::Id v) const {
-  for (const progressive::Id x : rings_.ring(v).neighbours())
-    if (cube_[x] != cube_[v]) return false;
-  return true;
+  std::uint32_t differs = 0;  // no early end: that could not be predicted
+  for (const progressive::Id x : rings_.ring(v).neighbours()) differs |= cube_[x] ^ cube_[v];
+  return differs == 0;
 }
 
 // By a counting sort; regions_ are the ranges of the cubes that have vertices.

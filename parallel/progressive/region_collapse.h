@@ -30,6 +30,10 @@ class RegionCollapse {
   // In the order in which they happened.
   [[nodiscard]] std::vector<progressive::CollapseRecord>& records() { return records_; }
   [[nodiscard]] const std::vector<progressive::Id>& parents() const { return collapser_->parents(); }
+  // The same, for good: nothing collapses any more.
+  [[nodiscard]] std::vector<progressive::Id> take_parents();
+  // Frees the rings and what only collapses need.
+  void free_rings();
   [[nodiscard]] std::size_t triangles_left() const { return triangles_; }
   [[nodiscard]] std::size_t rounds() const { return rounds_; }
 

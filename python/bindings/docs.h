@@ -137,8 +137,8 @@ A camera in the space of the model. position, target, up: three numbers each; ve
 inline constexpr const char* camera_path =
     R"(camera_path(hierarchy, path, *, frames=120, size=(1280, 720))
 
-The path of `lodestone render --camera`: 'orbit', 'fly-in', or a file of key frames (.json). size: (width, height)
-of the pictures. Returns a list of Cameras. Raises InputError and FileError for a file.)";
+The path of `lodestone render --camera`: 'orbit', 'fly-in', 'walk', 'wander', or a file of key frames (.json). size:
+(width, height) of the pictures. Returns a list of Cameras. Raises InputError and FileError for a file.)";
 
 inline constexpr const char* select =
     R"(select(hierarchy, camera, *, size=(1280, 720), samples=1, radii=None, metric='euclidean', kappa0=None,

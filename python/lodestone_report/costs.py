@@ -50,7 +50,7 @@ PARTS = [
          {"texture": "{} pixels"}, (CPU, ("kB", "geometry_image_bytes", 1e3))),
     Part("A frame", "rendering", ("tolerance",), SCREEN, {"backend": "{}", "pixel_error": "asked for {}"},
          (FRAME, ("CPU ms", "frame_cpu_ms", 1), TRIANGLES, PEAK)),
-    Part("A frame, by system", "systems", ("scans", "others", "generated", "orbit", "terrain"), SCREEN, {"system": "{}"},
+    Part("A frame, by system", "systems", ("scans", "others", "paths", "generated", "orbit", "terrain"), SCREEN, {"system": "{}"},
          (FRAME, ("surface triangles", "surface_triangles", 1), ("drawn MB", "drawn_bytes", MB), PEAK,
           ("CPU seconds to make", "make_cpu_seconds", 1)),
          "Cross-fade draws two levels at once; that systems crack or pop is not counted here, but on [their page](systems.md)."),

@@ -227,7 +227,7 @@ PAGES = [
     ], "Each job takes turns with one rank of as many threads as its ranks have together, or as there are processors: `rate / that "
        "of one rank`. Messages between ranks of one machine go through its memory.", model=True),
     Page("systems", [
-        Table("Systems on the same path", ("scans", "generated", "orbit", "others", "terrain"),
+        Table("Systems on the same path", ("scans", "generated", "orbit", "others", "paths", "terrain"),
               [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
                ("screen error, pixels", "screen_error"), ("shift, pixels", "shift_pixels"), IMAGE, FLIP, POP, FLIP_POP, AREA, VISIBLE,
                SURFACE, FRAME, WORST, ("drawn MB", "drawn_bytes", MB), ("peak MB", "peak_bytes", MB),
@@ -240,7 +240,7 @@ PAGES = [
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. `cluster-dag`: clusters that are exchanged in groups, by meshoptimizer's or by "
        "measured errors; the others are in decision 60. Every system is a run of its own, and repetitions take turns.",
-       Correlation("How far measures of pops agree", ("scans", "generated", "orbit", "others", "terrain"),
+       Correlation("How far measures of pops agree", ("scans", "generated", "orbit", "others", "paths", "terrain"),
                    [JUMP, ("shift, pixels", "shift_pixels"), POP, ("pop area, pixels", "pop_area"), FLIP_POP, AREA,
                     VISIBLE, VISIBLE_AREA, ("FLIP", "flip"), ("screen error, pixels", "screen_error")], ("data", "camera", "pixel_error"))),
     Page("ablation", [

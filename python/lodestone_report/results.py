@@ -5,7 +5,7 @@ A table picks columns of sweeps and says which run made it: commit, machine, dat
 
 import pathlib
 
-from . import costs, correlation, distributed
+from . import costs, correlation, distributed, published_rows
 from .reading import load
 from .result_tables import PAGES
 from .text import short_number, span
@@ -277,7 +277,8 @@ def first_page(studies):
     lines = ["# Results", "", "`scripts/results` writes this page and the others from what it measures. Each page says what its "
              "columns are, and each table names the commit, the machine and the command that it is from. Runs that did not "
              "verify are in no table.", "",
-             "Benchmarks of single kernels, beside other libraries, are printed by `scripts/bench`.", ""]
+             "Every row is in one file, with a [data sheet](rows.md). Benchmarks of single kernels, beside other libraries, are "
+             "printed by `scripts/bench`.", ""]
     rows = [(f"[{study}]({study}.md)", what, value) for study, what, make in HEADLINES
             if study in studies and (value := make(studies[study]))]
     lines += [*table_lines(["page", "figure", "value"], rows), "", "## Pages", ""]
@@ -300,7 +301,7 @@ def first_page(studies):
 
 
 def write_pages(folders, target, options=""):
-    """Writes the pages of the studies' folders, {name: folder}, and the first page; returns the studies.
+    """Writes the pages of the studies' folders, {name: folder}, the first page and the rows; returns the studies.
 
     `options` are those of scripts/results that made them. A page of a study without a folder is taken away.
     """
@@ -315,4 +316,5 @@ def write_pages(folders, target, options=""):
         else:
             path.unlink(missing_ok=True)
     (target / "README.md").write_text(first_page(studies), encoding="utf-8")
+    published_rows.write_rows([results.study for results in studies.values()], target)
     return studies

@@ -28,6 +28,9 @@ struct Camera {
 // The projection of a single model; clip w is in units of its normalised space.
 [[nodiscard]] ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy, ImageSize size);
 
+// Throws InputError unless a path can have so many frames: between one and a million.
+void check_frames(int frames);
+
 // The camera between key frames, at a place from 0 to their number less one: smooth, through the keys, and never beyond
 // them where the path turns back. Between equal keys it is the same camera, bit for bit. There is a key at least.
 [[nodiscard]] Camera camera_at(std::span<const Camera> keys, double place);
@@ -65,7 +68,16 @@ struct Framing {
 // From where the bounding sphere is well in sight, at least six radii away, along a curve, down to just above the
 // surface.
 [[nodiscard]] std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, const Framing& framing);
-// The same paths of a model by itself, by its own up axis.
+// Once around over the surface of a model, a twelfth of its sphere's radius above it, looking ahead.
+[[nodiscard]] std::vector<Camera> walk_path(const Hierarchy& hierarchy, int frames, Vec3d up);
+// To and fro around the sphere, between 1.1 and 8 of its radii away, looking at points within its inner third.
+[[nodiscard]] std::vector<Camera> wander_path(const Sphere& sphere, int frames, Vec3d up);
+// These four by name: "orbit", "fly-in", "walk", "wander".
+[[nodiscard]] const std::vector<std::string>& model_path_names();
+[[nodiscard]] bool is_model_path(const std::string& name);
+[[nodiscard]] std::vector<Camera> model_path(const std::string& name, const Hierarchy& hierarchy, int frames,
+                                             const Framing& framing);
+// Some of the same paths of a model by itself, by its own up axis.
 [[nodiscard]] std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames, double aspect = 1);
 [[nodiscard]] std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, double aspect = 1);
 

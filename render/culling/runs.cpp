@@ -1,6 +1,7 @@
 #include "render/culling/runs.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/culling/depth_pyramid.h"
 
@@ -14,6 +15,14 @@ bool is_inside(const Frustum& frustum, const Box3f& box) {
 bool misses(const ViewProjection& view_projection, const Box3f& box, ImageSize size) {
   const std::optional<ScreenBox> place = screen_box(view_projection, box, size);
   return place && (place->x0 > place->x1 || place->y0 > place->y1);
+}
+
+// lambda w + (1 - lambda) P(w) in floats: four roundings, each of half a unit in the last place of no more than the
+// larger of the two, and what they make of one another.
+Box3f with_rounding(const Box3f& box) {
+  const auto grown = [](float lo, float hi) { return 0x1p-21f * std::max(std::abs(lo), std::abs(hi)); };
+  const Vec3f margin{grown(box.lo.x, box.hi.x), grown(box.lo.y, box.hi.y), grown(box.lo.z, box.hi.z)};
+  return {box.lo - margin, box.hi + margin};
 }
 
 }  // namespace
@@ -71,6 +80,7 @@ std::span<const Box3f> CullingRuns::boxes(const Hierarchy& hierarchy, CellId id)
       if (!coarser.empty()) box.extend(coarser[cell.parents[v]]);
     }
   }
+  for (Box3f& box : runs) box = with_rounding(box);
   return runs;
 }
 

@@ -2,7 +2,7 @@
 //
 // A run is 128 triangles in the stored order. Its box holds their corners at both ends of the morph, and so at any
 // lambda. Runs are left out only if no pixel of the picture can be touched (screen_box), or if they lie before the near
-// plane as clearly as culled cells do: no bit of a picture changes.
+// plane as clearly as culled cells do: no bit of a picture changes. Runs that others hide: render/culling/occlusion.h.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ class CullingRuns {
   // until the next call.
   void cull(const Hierarchy& hierarchy, const ViewProjection& view_projection, ImageSize size, Selection& selection);
 
-  // Boxes of the cell's runs. They are found when they are first asked for: O(triangles).
+  // Boxes of the cell's runs, rounded outwards as far as blending may round. They are found when they are first asked
+  // for: O(triangles).
   [[nodiscard]] std::span<const Box3f> boxes(const Hierarchy& hierarchy, CellId cell);
   // The children of a cell are no longer in memory.
   void forget(const Hierarchy& hierarchy, CellId parent);

@@ -13,6 +13,8 @@
 
 namespace lodestone {
 
+class CullingRuns;  // render/culling/runs.h
+
 // How a placed model looks; its own materials, textures and colours are in its hierarchy. Colours as the picture has
 // them, each channel in [0, 1], without a transfer curve.
 struct Appearance {
@@ -75,6 +77,7 @@ struct ModelFrame {
   std::uint32_t model = 0;  // of those uploaded
   MorphContext morph;
   const Selection* selection = nullptr;  // a backend draws its visible cells
+  CullingRuns* runs = nullptr;           // of the cells, for Frame::cull_occluded; null: it hides whole cells alone
   ViewProjection view_projection;        // of normalised model space
   Vec3f towards_eye{0, 0, 1};            // where the head light comes from
   Vec3f towards_light{0, 0, 1};          // where the directional light comes from
@@ -96,8 +99,8 @@ struct Frame {
   EffectSet effects;  // passes over the whole picture: shadow, ambient occlusion, transparency, overdraw
   Lens lens;          // for effects that need distances
   ImageSize size;
-  // Cells that others hide are left out: changes no picture, and pays where much is hidden. Ignored where an effect
-  // shows what is behind something.
+  // Cells that others hide, and runs of their triangles, are left out: changes no picture, and pays where much is
+  // hidden. Ignored where an effect shows what is behind something.
   bool cull_occluded = false;
   // Backends that select cells on their device do so, instead of taking ModelFrame::selection: the same cells.
   bool select_on_device = false;

@@ -28,13 +28,11 @@ struct SelectedCell {
   std::span<const TriangleRange> ranges{};  // ascending: those that may be seen; empty: all (render/culling/runs.h)
 };
 
-// The triangles of a selected cell that are drawn.
+// Ranges of the triangles of a selected cell that are drawn.
 template <class Visit>
-void for_each_drawn(const Cell& cell, std::span<const TriangleRange> ranges, const Visit& visit) {
-  const auto end = static_cast<std::uint32_t>(cell.triangles.size());
-  const TriangleRange all{0, end};
-  for (const TriangleRange range : ranges.empty() ? std::span(&all, 1) : ranges)
-    for (std::uint32_t t = range.begin; t < range.end; ++t) visit(cell.triangles[t]);
+void for_each_range(const Cell& cell, std::span<const TriangleRange> ranges, const Visit& visit) {
+  const TriangleRange all{0, static_cast<std::uint32_t>(cell.triangles.size())};
+  for (const TriangleRange range : ranges.empty() ? std::span(&all, 1) : ranges) visit(range);
 }
 [[nodiscard]] std::size_t drawn_triangles(const Cell& cell, std::span<const TriangleRange> ranges);
 

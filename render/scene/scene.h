@@ -39,8 +39,8 @@ struct SceneModel {
 
 // The camera's path: one of the usual ones, a file of key frames, or keys of its own.
 struct SceneCamera {
-  std::string path = "orbit";  // orbit, fly-in (to a model), a file; empty: the keys
-  std::string fly_to;          // name of a model; empty: the first
+  std::string path = "orbit";  // orbit, wander; fly-in, walk (of a model); a file; empty: the keys
+  std::string fly_to;          // fly-in, walk: name of the model; empty: the first
   std::vector<Camera> keys;
   int frames = 120;
 };

@@ -126,7 +126,7 @@ void read_camera(TomlTable& table, Scene& scene) {
   if (!camera.keys.empty()) {
     if (path) table.fail(*path, "path", "and keys exclude each other");
     camera.path.clear();
-  } else if (camera.path != "orbit" && camera.path != "fly-in") {
+  } else if (!is_model_path(camera.path)) {
     camera.path = beside(table.file(), camera.path);
   }
   if (!camera.fly_to.empty() && std::ranges::find(scene.models, camera.fly_to, &SceneModel::name) == scene.models.end())

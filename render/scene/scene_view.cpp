@@ -221,6 +221,7 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
     frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;
+    frame_.models[m].runs = &placed_[m].runs;
     frame_.models[m].casters = nullptr;
     const bool closed = config.clip && m < config.closed.size() && config.closed[m];
     frame_.models[m].solid = closed ? frame_.models[m].selection : nullptr;
@@ -319,13 +320,14 @@ std::vector<Camera> camera_path(const SceneView& view, ImageSize size) {
   const Framing framing{view.up(), aspect_of(size)};
   if (way.path.empty()) return resample_path(way.keys, way.frames, "the camera's keys");
   if (way.path == "orbit") return orbit_path(view.bounding_sphere(), way.frames, framing);
-  if (way.path != "fly-in") return read_camera_path(way.path, way.frames, framing.up);
+  if (way.path == "wander") return wander_path(view.bounding_sphere(), way.frames, framing.up);
+  if (!is_model_path(way.path)) return read_camera_path(way.path, way.frames, framing.up);
   std::size_t to = 0;
   while (!way.fly_to.empty() && view.scene().models[to].name != way.fly_to) ++to;
   // The model's own path, moved to its placement.
   const Similarity own = to_similarity(view.hierarchy(to).transform);
   const Vec3d up = view.placement(to).rotated_back(framing.up);
-  std::vector<Camera> path = fly_in_path(view.hierarchy(to), way.frames, Framing{up, framing.aspect});
+  std::vector<Camera> path = model_path(way.path, view.hierarchy(to), way.frames, Framing{up, framing.aspect});
   for (Camera& camera : path) {
     camera.up = framing.up;
     camera.position = view.placement(to)(own.inverse(camera.position));

@@ -28,7 +28,6 @@ struct DrawnCell {
   std::uint8_t level = 0;
   bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
   TriangleNumber first_triangle = 0;
-  std::span<const TriangleRange> ranges;  // of the triangles that are drawn; empty: all
   const ModelFrame* model = nullptr;
   const Cell *own = nullptr, *coarser = nullptr;  // the cell; and its parent, where it morphs
   // Arrays of the vertices of the cell, and of its parent if it morphs; texture coordinates if the model has them.

@@ -12,7 +12,7 @@ import subprocess
 import unittest
 
 import command_case
-from command_case import FILE, INPUT, RESOURCE, SOURCE, UNSUPPORTED, USAGE, CommandCase, model, processes_in, until
+from command_case import FILE, INPUT, RESOURCE, SOURCE, USAGE, CommandCase, model, processes_in, until
 from slurm_case import SlurmCase
 
 # Open MPI: more ranks than processors, also as root in a container.
@@ -86,6 +86,11 @@ class UnderLauncher(DistributedCase):
         self.assertTrue(self.built(3, *files, "--up", "z", "--no-attributes")[0] ==
                         model("files.lode", "build", *files, "--up", "z", "--no-attributes").read_bytes())
 
+    def test_attributes_and_halved_textures(self):
+        expected = model("halved.lode", "build", command_case.TEXTURED, "--texture-levels").read_bytes()
+        for ranks in (1, 3):
+            self.assertTrue(self.built(ranks, command_case.TEXTURED, "--texture-levels")[0] == expected, ranks)
+
     def test_a_generated_surface_needs_no_file(self):
         made = model("terrain.ply", "generate", "terrain", "--triangles", 50_000, "--seed", 5)
         expected = model("terrain.lode", "build", made).read_bytes()
@@ -155,7 +160,12 @@ class UnderLauncher(DistributedCase):
             self.assert_refused(self.job(3, *arguments, subcommand="export"), status, *words)
 
     def test_verify_says_what_one_process_says(self):
-        lode = model("for-ranks.lode", "build", surface(), "--cell-triangles", 300)
+        for lode in (model("for-ranks.lode", "build", surface(), "--cell-triangles", 300),
+                     model("textured.lode", "build", command_case.TEXTURED, "--cell-triangles", 100)):
+            with self.subTest(lode=lode.name):
+                self.check_verified(lode)
+
+    def check_verified(self, lode):
         expected = self.folder / "one.json"
         command_case.call("verify", lode, "--json", expected)
         done = self.job(3, lode, "--threads", 1, "--json", "ranks.json", subcommand="verify")
@@ -168,10 +178,8 @@ class UnderLauncher(DistributedCase):
         self.assertTrue(all(rank["cells"] > 0 and rank["bytes_sent"] > 0 for rank in ranks["ranks"]))
 
     def test_verify_refuses_in_one_line(self):
-        textured = model("textured.lode", "build", command_case.TEXTURED, "--cell-triangles", 100)
         for arguments, status, words in (
                 (("missing.lode",), FILE, ["rank ", "missing.lode: cannot open"]),
-                ((textured,), UNSUPPORTED, ["rank ", "textured.lode: has texture coordinates", "verify it with lodestone"]),
                 ((), USAGE, ["FILE"])):
             self.assert_refused(self.job(3, *arguments, subcommand="verify"), status, *words)
 
@@ -204,7 +212,6 @@ class UnderLauncher(DistributedCase):
         self.assert_refused(self.job(2, surface(), "-o", "no/m.lode"), FILE, "rank 0 on ", "no/m.lode")
         self.assert_refused(self.job(2, surface(), "-o", "m.lode", "--ranks"), USAGE, "lodestone-mpi build --help")
         self.assert_refused(self.job(2, "-o", "m.lode"), USAGE, "either files or --generate")
-        self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode"), UNSUPPORTED, "lodestone build")
         self.assert_refused(self.job(2, surface(), "--generate", "sphere:100", "-o", "m.lode"), USAGE, "--generate")
 
     def test_a_limit_is_kept_with_temporary_files(self):
@@ -227,6 +234,13 @@ class UnderLauncher(DistributedCase):
         small = ("--generate", "sphere:5000", "-o", "m.lode")
         self.assert_refused(self.job(2, *small, "--memory-limit", "much"), USAGE, "--memory-limit")
         self.assert_refused(self.job(2, *small, "--scratch", "."), USAGE, "--scratch", "--memory-limit")
+
+    def test_attributes_have_to_fit_the_limit(self):
+        self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode", "--memory-limit", "32MiB"), RESOURCE,
+                            "attributes", "--no-attributes", "give --memory-limit ", "more ranks")
+        built, figures = self.built(2, command_case.TEXTURED, "--memory-limit", "1GiB", "--threads", 1)
+        self.assertTrue(built == model("limited.lode", "build", command_case.TEXTURED).read_bytes())
+        self.assertFalse(figures["spilled"])
 
     def temporary_files(self):
         """Those without names that processes have open in the folder."""

@@ -3,6 +3,9 @@
 usage: test_results.py PROGRAM
 """
 
+import csv
+import gzip
+import io
 import os
 import pathlib
 import re
@@ -19,7 +22,7 @@ from sweep_folder import SweepFolder, column, parameter
 RESULTS = ROOT / "scripts/results"
 sys.path.insert(0, str(ROOT / "python"))
 
-from lodestone_report import costs, result_tables, results  # noqa: E402
+from lodestone_report import costs, published_rows, result_tables, results  # noqa: E402
 from lodestone_report.settings import Cell  # noqa: E402
 
 # Sweeps until it is told to end, tidies up for a while, and says so; or does what FAKE_* ask for.
@@ -166,6 +169,23 @@ class Pages(FolderCase):
         self.assertIn("What is to be found out? | 2 of 3 |", first)
         self.assertNotIn("[build]", first)
 
+    def test_every_row_is_in_one_file(self):
+        packed = (self.folder / "pages" / published_rows.ROWS).read_bytes()
+        rows = list(csv.DictReader(io.StringIO(gzip.decompress(packed).decode())))
+        self.assertEqual([(row["data"], row["camera"], row["state"], row["jump_over_bound"]) for row in rows],
+                         [("ball", "fly-in", "verified", "0.98"), ("ball", "orbit", "verified", "0.5"),
+                          ("scan", "fly-in", "unverified", "1.25")])
+        results.write_pages({"guarantee": self.folder / "guarantee"}, self.folder / "pages", "--full")
+        self.assertEqual((self.folder / "pages" / published_rows.ROWS).read_bytes(), packed)
+
+    def test_a_sheet_says_what_the_rows_are(self):
+        sheet = self.page("rows")
+        self.assertIn("every row of every run, 3 rows of 3 runs,", sheet)
+        self.assertIn("| open_edges |  | edges that do not meet | guarantee |", sheet)
+        for name in csv.DictReader(io.StringIO(gzip.decompress((self.folder / "pages" / published_rows.ROWS).read_bytes())
+                                               .decode())).fieldnames:
+            self.assertIn(f"| {name} |", sheet)
+
     def test_are_those_of_the_folders_that_are_there(self):
         results.write_pages({}, self.folder / "pages")
         self.assertEqual([path.name for path in (self.folder / "pages").iterdir()], ["README.md"])
@@ -174,7 +194,7 @@ class Pages(FolderCase):
         pages = ROOT / "docs/results"
         self.assertLess(len((pages / "README.md").read_text(encoding="utf-8").splitlines()), 150)
         for path in pages.glob("*.md"):
-            if path.name == "README.md":
+            if path.name in ("README.md", published_rows.SHEET):
                 continue
             self.assertIn(path.stem, [*results.STUDIES, results.COST_PAGE])
             for section in path.read_text(encoding="utf-8").split("\n## ")[1:]:

@@ -26,7 +26,7 @@ inline const std::vector<Experiment>& known_experiments() {
                          {"threads", 1, "", "", 1, 64, {}},
                          {"fast", false, "", "", 0, 0, {}},
                          effects_parameter(""),
-                         camera_parameter("", {"orbit", "fly-in"})};
+                         camera_parameter("")};
     flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy},
                       {"rho", "", "", ColumnInfo::Kind::count},
                       {"seconds", "s", "", ColumnInfo::Kind::cost}};

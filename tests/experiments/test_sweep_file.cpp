@@ -104,7 +104,7 @@ TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
   refused(camera("\"orbit\", \"" + name + "\""), 9, "camera = \"" + name + "\": ");
   refused(camera("\"" + name + "\""), 9, missing);
   refused(clock("design = \"list\"\nparameters = [{},\n{ camera = \"" + name + "\" }]"), 10, missing);
-  refused(camera("\"orbits\""), 9, "known are orbit, fly-in, or the file of a recorded path (.json)");
+  refused(camera("\"orbits\""), 9, "known are orbit, fly-in, walk, wander, or the file of a recorded path (.json)");
 
   const std::string key = R"({"position": [4, 0, 0], "target": [0, 0, 0]})";
   for (const auto& [content, wrong] : {std::pair{std::string("{"), "is not valid JSON"},

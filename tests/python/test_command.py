@@ -69,7 +69,7 @@ def test_compare(sphere_file, hierarchy, tmp_path, command):
     assert found["error_max"] > 0
 
 
-@pytest.mark.parametrize("path", ["orbit", "fly-in"])
+@pytest.mark.parametrize("path", ["orbit", "fly-in", "walk", "wander"])
 def test_render(hierarchy, tmp_path, command, path):
     image = pytest.importorskip("matplotlib.image")
     hierarchy.save(tmp_path / "a.lode")

@@ -12,7 +12,6 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/distance_metric.h"
-#include "core/mesh/up_axis.h"
 #include "render/camera/camera.h"
 #include "tests/expect_error.h"
 #include "tests/naive_hierarchy.h"
@@ -20,11 +19,6 @@
 
 namespace lodestone {
 namespace {
-
-const Hierarchy& terrain() {
-  static const auto small = test::naive_hierarchy(test::terrain_mesh(32), 2);
-  return small.hierarchy;
-}
 
 const Hierarchy& torus() {
   static const auto small = test::naive_hierarchy(test::torus_mesh(64, 32), 2);
@@ -294,79 +288,6 @@ TEST(CameraPath, BadFilesAreRefusedWithTheirPlace) {
 
 TEST(CameraPath, UnwritableTargetIsAFileError) {
   EXPECT_THROW(write_camera_path("/nonexistent/path.json", {}), FileError);
-}
-
-TEST(CameraPath, OrbitSeesTheWholeSphereWhateverTheAspect) {
-  const Hierarchy h = moved_torus();
-  const Sphere sphere = bounding_sphere(h);
-  for (const double aspect : {0.5, 1.0, 2.0}) {
-    const std::vector<Camera> path = orbit_path(sphere, 12, {{0, 0, 1}, aspect});
-    ASSERT_EQ(path.size(), 12u);
-    const double distance = length(path[0].position - sphere.centre);
-    const double tangent = std::tan(std::asin(sphere.radius / distance));  // of the cone around the sphere
-    const double tan_y = std::tan(path[0].vertical_fov / 2), smaller = std::min(tan_y, tan_y * aspect);
-    EXPECT_NEAR(tangent, smaller, 1e-9) << aspect;
-    for (std::size_t i = 0; i < path.size(); ++i) {
-      EXPECT_NEAR(length(path[i].position - sphere.centre), distance, 1e-6 * distance);
-      EXPECT_EQ(path[i].target, sphere.centre);
-      const double step = length(path[(i + 1) % 12].position - path[i].position);
-      EXPECT_NEAR(step, length(path[1].position - path[0].position), 1e-6 * step);
-    }
-  }
-  EXPECT_NEAR(distance_to_see(1, std::numbers::pi / 4, 1.5), 2.613, 5e-4);
-  EXPECT_THROW((void)orbit_path(h, 0), InputError);
-  EXPECT_THROW((void)orbit_path(Hierarchy{}, 3), InputError);
-}
-
-TEST(CameraPath, StandsUprightByTheModel) {
-  Hierarchy h = moved_torus();
-  const Sphere sphere = bounding_sphere(h);
-  const std::vector<Camera> flat = orbit_path(h, 8), down = fly_in_path(h, 8);
-  for (const UpAxis axis : {UpAxis::y, UpAxis::x, UpAxis::minus_z, UpAxis::minus_y, UpAxis::minus_x}) {
-    h.transform.up = {axis, false};
-    const Vec3d up = direction_of(axis, {});
-    const std::vector<Camera> turned = orbit_path(h, 8), flown = fly_in_path(h, 8);
-    for (std::size_t i = 0; i < 8; ++i) {
-      EXPECT_EQ(turned[i].up, up);
-      EXPECT_EQ(flown[i].up, up);
-      // As far above the middle, seen along the up axis, as with z up.
-      EXPECT_NEAR(dot(turned[i].position - sphere.centre, up), flat[i].position.z - sphere.centre.z,
-                  1e-9 * sphere.radius);
-    }
-    EXPECT_GT(dot(flown[0].position - sphere.centre, up), 0);
-  }
-}
-
-TEST(CameraPath, FlyInDescendsEvenlyAndNeverMeetsTheSurface) {
-  for (const Hierarchy& h : {moved_torus(), Hierarchy(terrain())}) {
-    const Box3f& box = h.cells[0].bounds;
-    const double radius = 0.5 * h.transform.scale * length(box.hi - box.lo);
-    const std::vector<Camera> path = fly_in_path(h, 60);
-    ASSERT_EQ(path.size(), 60u);
-    const auto distance_at = [&](std::size_t i) { return length(path[i].position - path[i].target); };
-    EXPECT_NEAR(distance_at(0), 6 * radius, 1e-6 * radius);
-    EXPECT_NEAR(distance_at(59), 0.02 * radius, 1e-6 * radius);
-    for (std::size_t i = 1; i < path.size(); ++i)
-      EXPECT_NEAR(distance_at(i) / distance_at(i - 1), distance_at(1) / distance_at(0), 1e-6);
-
-    // The nearest vertex of the finest level: the target is on the surface, the camera never is.
-    const double edge = h.transform.scale * h.levels.back().max_edge * cell_size(h.finest());
-    const auto to_surface = [&](Vec3d p) {
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const Cell& cell : h.cells_of(h.finest()))
-        for (const Vec3f v : cell.positions) nearest = std::min(nearest, length(h.transform.to_model(v) - p));
-      return nearest;
-    };
-    EXPECT_LT(to_surface(path.back().target), edge);
-    for (const Camera& camera : path)
-      EXPECT_GT(to_surface(camera.position), 0.1 * length(camera.position - camera.target));
-  }
-}
-
-TEST(CameraPath, FlyInOfOneFrameAndOfNothing) {
-  EXPECT_EQ(fly_in_path(torus(), 1).size(), 1u);
-  EXPECT_THROW((void)fly_in_path(torus(), 0), InputError);
-  EXPECT_THROW((void)fly_in_path({}, 5), InputError);
 }
 
 }  // namespace

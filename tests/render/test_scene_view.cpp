@@ -219,11 +219,14 @@ TEST(CameraPathOfAScene, FollowsWhatTheSceneSays) {
   scene.camera = {"orbit", "", {}, 8};
   const auto path_of = [&] { return camera_path(SceneView(scene, {{&torus()}}), size); };
   for (const Camera& c : path_of()) EXPECT_NEAR(c.target.x - 100, bounding_sphere(torus()).centre.x, 1e-6);
-  scene.camera.path = "fly-in";
-  const std::vector<Camera> there = path_of(), here = fly_in_path(torus(), 8, aspect_of(size));
-  ASSERT_EQ(there.size(), here.size());
-  for (std::size_t k = 0; k < here.size(); ++k)
-    EXPECT_LE(length(there[k].position - here[k].position - Vec3d{100, 0, 0}), 1e-9);
+  for (const char* path : {"fly-in", "walk", "wander"}) {
+    scene.camera.path = path;
+    const std::vector<Camera> there = path_of();
+    const std::vector<Camera> here = model_path(path, torus(), 8, {{0, 0, 1}, aspect_of(size)});
+    ASSERT_EQ(there.size(), here.size());
+    for (std::size_t k = 0; k < here.size(); ++k)
+      EXPECT_LE(length(there[k].position - here[k].position - Vec3d{100, 0, 0}), 1e-9) << path;
+  }
   scene.camera.path = "";
   EXPECT_THROW((void)path_of(), InputError);
   scene.camera.keys = {camera, {{3, 3, 3}, {0, 0, 0}}};

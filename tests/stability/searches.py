@@ -1,4 +1,4 @@
-"""What scripts/fuzz and scripts/mutate have found, from their logs, as a section of docs/stability.md."""
+"""What scripts/fuzz, scripts/matrix and scripts/mutate have found, from their logs, as a section of docs/stability.md."""
 
 import collections
 import datetime
@@ -16,6 +16,14 @@ corpus and with what earlier ones have kept. The last run of each, with its proc
 
 | harness | inputs | edges before | edges after | failed | s | date |
 | --- | ---: | ---: | ---: | --- | ---: | --- |
+{rows}
+"""
+
+MATRIX = """
+`scripts/matrix` runs the tests under each preset, built anew where it has changed. The last run of each:
+
+| preset | tests | verdict | commit | minutes | date |
+| --- | --- | --- | --- | ---: | --- |
 {rows}
 """
 
@@ -50,6 +58,17 @@ def fuzzing(build, old):
     return FUZZ.format(rows="\n".join(rows[name] for name in sorted(rows))) if rows else ""
 
 
+def presets(build, old):
+    """From lines as `asan passed at 12ab34c: all, 95 minutes, 2026-01-31`; a preset without one keeps its row of the old text."""
+    rows = {row.split()[1]: row for row in re.findall(r"^\| \w+ \| all.*$", old, re.MULTILINE)}
+    for file in (build / "matrix").glob("*"):
+        said = re.fullmatch(r"(\w+) (\w+) at (\w+): (all[^,]*), (\d+) minutes, ([\d-]+)\n", file.read_text())
+        if said:                                       # of a commit, and not of some of the tests alone
+            name, verdict, commit, tests, minutes, date = said.groups()
+            rows[name] = f"| {name} | {tests} | {verdict} | {commit} | {minutes} | {date} |"
+    return MATRIX.format(rows="\n".join(rows[name] for name in sorted(rows))) if rows else ""
+
+
 def mutation(build):
     logs = sorted((build / "mutate").glob("*.jsonl"), key=lambda log: log.stat().st_mtime)
     if not logs:
@@ -79,5 +98,6 @@ def section(build, page):
     begin, end = place(page)
     old, found = (page[begin:end][len(HEAD) + 2:] + FOUND).split(FOUND)[:2]
     at = old.find(MUTATE[:MUTATE.index(" plants")])
-    fuzzed, mutated = (old, "") if at < 0 else (old[:at], old[at:])
-    return f"\n{HEAD}\n" + fuzzing(build, fuzzed) + (mutation(build) or mutated) + (FOUND + found if found else "")
+    listed, mutated = (old, "") if at < 0 else (old[:at], old[at:])
+    return (f"\n{HEAD}\n" + fuzzing(build, listed) + presets(build, listed) + (mutation(build) or mutated) +
+            (FOUND + found if found else ""))

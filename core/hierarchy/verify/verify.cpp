@@ -106,7 +106,7 @@ void check_levels(const Part& part, Findings& findings, Steps& steps) {
   check_copies(part, finest, fine, findings.identity);
   std::optional<LevelWedges> wedges;
   if (hierarchy.attributes.wedges) {
-    wedges = finest_wedges(hierarchy, fine);
+    wedges = finest_wedges(part);
   } else {
     check_positions_distinct(part, fine, findings.identity);
   }
@@ -116,7 +116,7 @@ void check_levels(const Part& part, Findings& findings, Steps& steps) {
     check_copies(part, level - 1, coarse, findings.identity);
     check_ids_kept(fine, coarse, findings.identity);
     check_parent_function(level, fine, findings.parents);
-    if (wedges) wedges = coarser_wedges(hierarchy, level, *wedges, coarse, findings.wedges);
+    if (wedges) wedges = coarser_wedges(part, level, *wedges, findings.wedges);
     check_images(part, level - 1, wedges ? &*wedges : nullptr, findings.vertices, findings.triangles);
     fine = std::move(coarse);
     steps.next();
@@ -141,7 +141,7 @@ VerifyReport verify_part(const Part& part, const IndexedMesh* input, const Verif
     steps.next();
     report.error_ratio = check_errors(part, findings.errors);
     steps.next();
-    if (hierarchy.attributes.wedges) check_wedges(hierarchy, findings.wedges);
+    if (hierarchy.attributes.wedges) check_wedges(part, findings.wedges);
     if (hierarchy.signatures) check_signatures(part, findings.signatures);
     if (part.has_tables()) check_textures(hierarchy, findings.textures);
     if (input) check_input(part, *input, findings.input);

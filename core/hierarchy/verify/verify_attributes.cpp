@@ -71,9 +71,9 @@ bool same_means(const Hierarchy& hierarchy, std::uint32_t texture, const Means& 
   return values ? same_values(a, b) : same_light(a, b);
 }
 
-void require_attributes(const Hierarchy& hierarchy, int level, Finding& wedges) {
-  const Level& cells = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (CellId c = cells.first_cell; c < cells.end_cell(); ++c) {
+void require_attributes(const Part& part, int level, Finding& wedges) {
+  const Hierarchy& hierarchy = part.hierarchy;
+  part.for_cells(level, [&](CellId c) {
     const CellAttributes& a = hierarchy.cells[c].attributes;
     for (VertexId v{0}; v < a.uv.size(); ++v)
       wedges.require(std::isfinite(a.uv[v].x) && std::isfinite(a.uv[v].y),
@@ -81,35 +81,34 @@ void require_attributes(const Hierarchy& hierarchy, int level, Finding& wedges) 
     for (VertexId v{0}; v < a.materials.size(); ++v)
       wedges.require(a.materials[v] == no_material || a.materials[v] < hierarchy.materials.size(),
                      [&] { return place(level, c, v) + ": its material does not exist"; });
-  }
+  });
 }
 
 // Requires that the corners of a triangle have one material, and that P keeps it.
-void require_materials_kept(const Hierarchy& hierarchy, int level, Finding& wedges) {
-  const Level& cells = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (CellId c = cells.first_cell; c < cells.end_cell(); ++c) {
-    const Cell& cell = hierarchy.cells[c];
+void require_materials_kept(const Part& part, int level, Finding& wedges) {
+  part.for_cells(level, [&](CellId c) {
+    const Cell& cell = part.hierarchy.cells[c];
     const auto& materials = cell.attributes.materials;
     if (materials.empty()) return;
     for (const Triangle& t : cell.triangles)
       wedges.require(materials[t.v[0]] == materials[t.v[1]] && materials[t.v[1]] == materials[t.v[2]],
                      [&] { return place(level, c) + ": a triangle has several materials"; });
-    if (level == 0) continue;
+    if (level == 0) return;
     // Only for vertices in use: the others may follow their vertex into another chart.
-    const auto& above = hierarchy.cells[cell.parent].attributes.materials;
+    const auto& above = part.hierarchy.cells[cell.parent].attributes.materials;
     for (const Triangle& t : cell.triangles)
       for (const std::uint32_t v : t.v)
         wedges.require(above[cell.parents[v]] == materials[v],
                        [&] { return place(level, c, VertexId(v)) + ": its parent has another material"; });
-  }
+  });
 }
 
 }  // namespace
 
-void check_wedges(const Hierarchy& hierarchy, Finding& wedges) {
-  for (int level = 0; level <= hierarchy.finest(); ++level) {
-    require_attributes(hierarchy, level, wedges);
-    require_materials_kept(hierarchy, level, wedges);
+void check_wedges(const Part& part, Finding& wedges) {
+  for (int level = 0; level <= part.hierarchy.finest(); ++level) {
+    require_attributes(part, level, wedges);
+    require_materials_kept(part, level, wedges);
   }
 }
 

@@ -45,12 +45,12 @@ class Finding {
 // Checks whose arguments have a Part are made by all peers together.
 
 // verify_images.cpp
-struct LevelWedges;
+class LevelWedges;
 // `wedges` of the coarse level where the hierarchy has them, else null.
 void check_images(const Part& part, int coarse_level, const LevelWedges* wedges, Finding& vertices, Finding& triangles);
 
 // verify_attributes.cpp: wedges and their materials; copies of textures.
-void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
+void check_wedges(const Part& part, Finding& wedges);
 void check_textures(const Hierarchy& hierarchy, Finding& textures);
 
 // verify_geometry.cpp: lengths, boxes, stored bounds.

@@ -28,7 +28,7 @@ void check_images(const Part& part, int coarse_level, const LevelWedges* wedges,
   std::vector<Triangle> images, stored;
   part.for_parents(coarse_level, [&](CellId c) {
     const Cell& cell = part.hierarchy.cells[c];
-    const auto vertex = [&](std::uint32_t v) { return wedges ? wedges->vertex[wedges->number(c, v)] : v; };
+    const auto vertex = [&](std::uint32_t v) { return wedges ? wedges->vertex(c, v) : v; };
     reached.assign(cell.positions.size(), 0);
     images.clear();
     for (CellId k = cell.first_child; k < cell.end_child(); ++k) {

@@ -24,7 +24,7 @@ class VerifyPeers {
 
 // verify_hierarchy by all peers together; each returns the report on all cells. The hierarchy has the tables of all,
 // and arrays as long as theirs are, but only those of the peer's own cells and of their parents are read; with `input`,
-// which then all peers give, those of all finest cells. Several peers do not verify hierarchies with wedges.
+// which then all peers give, those of all finest cells.
 [[nodiscard]] VerifyReport verify_by_peers(const Hierarchy& hierarchy, VerifyPeers& peers,
                                            const IndexedMesh* input = nullptr, const VerifyProgress& progress = {});
 

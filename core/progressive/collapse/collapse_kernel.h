@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/instruction_set.h"
@@ -78,6 +79,7 @@ class Collapser {
   }
   // By wedge (by vertex, without wedges): what it collapsed into; no_id: still there.
   [[nodiscard]] const std::vector<Id>& parents() const { return state_.parent; }
+  [[nodiscard]] std::vector<Id> take_parents() { return std::move(state_.parent); }
 
  private:
   const CollapseKernel& kernel_;

@@ -8,6 +8,12 @@
 #include "core/progressive/collapse/ring_mesh.h"
 
 namespace lodestone::progressive {
+namespace {
+
+// The place of the neighbour after a in the ring of v, with u at `at`.
+std::uint32_t first_between(const Ring& v, std::uint32_t at) { return v.open != 0 && at != 0 ? 0 : v.next(v.next(at)); }
+
+}  // namespace
 
 bool RingMesh::follows_wedges(Collapse& c) const {
   const Ring& v = rings_[c.vertex];
@@ -95,9 +101,10 @@ int RingMesh::apply(const Collapse& c, RingArena& arena) {
   const Ring& v = rings_[c.vertex];
   const bool with_a = v.open == 0 || c.at == 0, with_b = v.open == 0 || c.at != 0;
   const Id a = with_a ? v.ids[v.next(c.at)] : no_id, b = with_b ? v.ids[v.previous(c.at)] : no_id;
-  for (const Id x : v.neighbours()) {
-    if (x == c.target || x == a || x == b) continue;
-    Ring& ring = rings_[x];
+  // Those between a and b, in order.
+  const std::uint32_t between = v.open != 0 ? v.size - 2 : v.size - 3;
+  for (std::uint32_t n = 0, k = first_between(v, c.at); n < between; ++n, k = v.next(k)) {
+    Ring& ring = rings_[v.ids[k]];
     ring.ids[ring.find(c.vertex)] = c.target;
   }
   splice(c, arena);
@@ -132,7 +139,7 @@ void RingMesh::splice(const Collapse& c, RingArena& arena) {
   const std::uint32_t between = at_end ? v.size - 2 : v.size - 3;
   grow(u, u.size + between - 1, arena);
   Id* ids = u.ids;
-  const std::uint32_t back = c.back, first = at_end && c.at != 0 ? 0 : v.next(v.next(c.at));
+  const std::uint32_t back = c.back, first = first_between(v, c.at);
   if (ids == u.own && !has_wedges_) return splice_own(u, v, back, first, between);
   const auto move_up = [&](Id* row) {  // the ids after v, to their new place
     std::memmove(row + back + between, row + back + 1, (u.size - back - 1) * sizeof(Id));

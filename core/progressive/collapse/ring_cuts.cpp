@@ -77,7 +77,8 @@ void RingMesh::cut_open() {
     make_ring(vertex_of(corner_id(corners.front())), corners, cut.open, arena_);
   }
   for (const Cut& cut : cuts) name_copy(cut);
-  first_ = {}, by_vertex_.reset(), several_ = {};
+  first_ = std::vector<std::uint32_t>(), by_vertex_.reset();  // an empty list {} would keep the memory
+  several_ = std::vector<std::uint8_t>();
 }
 
 // Copies are numbered in the order of the vertices that they are made of.
@@ -110,10 +111,11 @@ void RingMesh::name_copy(const Cut& cut) {
 }
 
 void RingMesh::copy_fan(const Cut& cut) {
+  if (corners_.empty()) corners_ = input_->triangles;
   ++cut_vertices_;
   const auto first_copy = static_cast<Id>(input_vertices() + copy_source_.size());
   for (std::uint32_t k = cut.begin; k < cut.end; ++k) {
-    Id& id = corner_id(by_vertex_[k]);
+    Id& id = corners_[by_vertex_[k] / 4].v[by_vertex_[k] % 4];
     const auto begin = copy_source_.begin() + (first_copy - static_cast<Id>(input_vertices()));
     const auto known = std::find(begin, copy_source_.end(), id);
     const auto copy = static_cast<Id>(input_vertices() + static_cast<std::size_t>(known - copy_source_.begin()));

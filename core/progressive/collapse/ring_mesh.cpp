@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <utility>
 
+#include "core/base/prefetch.h"
+
 namespace lodestone::progressive {
+
+constexpr std::size_t vertices_ahead = 8;  // whose triangles are asked for
 
 Id* RingArena::take(std::size_t count) {
   constexpr std::size_t chunk = 4096;
@@ -19,7 +24,7 @@ Id* RingArena::take(std::size_t count) {
 }
 
 RingMesh::RingMesh(const IndexedMesh& mesh)
-    : input_(&mesh), corners_(mesh.triangles), room_(mesh.positions.size() + mesh.positions.size() / 16 + 1) {
+    : input_(&mesh), room_(mesh.positions.size() + mesh.positions.size() / 16 + 1) {
   const std::vector<Id>& vertex = mesh.wedges.vertex;
   for (std::size_t w = 0; w < vertex.size() && !has_wedges_; ++w) has_wedges_ = vertex[w] != w;
   rings_ = std::make_unique_for_overwrite<Ring[]>(room_ + 1);
@@ -29,7 +34,8 @@ RingMesh::RingMesh(const IndexedMesh& mesh)
 void RingMesh::list_corners() {
   first_.assign(input_vertices() + 2, 0);
   several_.resize(input_vertices());
-  by_vertex_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * corners_.size());
+  by_vertex_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * input_->triangles.size() + 8);
+  std::fill_n(by_vertex_.get() + 3 * input_->triangles.size(), 8, 0u);  // read by make_simple_ring
   const auto list = [&](auto&& vertex_of_corner) {
     // Counted two places further on, so that filling leaves every range in its place.
     for (const Triangle& t : input_->triangles)
@@ -53,6 +59,8 @@ void RingMesh::make_rings(std::size_t begin, std::size_t end, RingArena& arena, 
     const Vec3f p = input_->positions[v];
     points_[v] = {p.x, p.y, p.z, 0};
     const std::span<const std::uint32_t> corners = corners_of(v);
+    if (const std::size_t ahead = v + vertices_ahead; ahead < end)
+      for (const std::uint32_t corner : corners_of(ahead)) prefetch(&input_->triangles[corner / 4]);
     rings_[v].clear();
     if (corners.empty()) continue;
     several_[v] = make_simple_ring(static_cast<Id>(v), corners, arena, chain) ? 0 : 1;
@@ -64,13 +72,23 @@ bool RingMesh::make_simple_ring(Id v, std::span<const std::uint32_t> corners, Ri
   const auto n = static_cast<std::uint32_t>(corners.size());
   if (n > most_chained) return false;
   Id start[most_chained], end[most_chained];
-  std::uint8_t order[most_chained];
-  for (std::uint32_t k = 0; k < n; ++k) start[k] = start_of(corners[k]), end[k] = end_of(corners[k]);
+  std::uint8_t order[most_chained] = {};
+  // Eight where there are fewer: the end of a loop of any number cannot be predicted.
+  const auto take = [&, from = corners.data()](auto&& vertex_of) {
+    for (std::uint32_t k = 0; k < std::max(n, 8u); ++k) {
+      const Triangle& t = input_->triangles[from[k] / 4];
+      start[k] = vertex_of(t.v[after(from[k]) % 4]), end[k] = vertex_of(t.v[before(from[k]) % 4]);
+    }
+  };
+  if (has_wedges_)
+    take([&](Id id) { return input_->wedges.vertex[id]; });
+  else
+    take(std::identity{});
   const Shape shape = (n <= 8 ? chain : chain_fan)(start, end, n, order);
   if (shape == Shape::several) return false;
   const bool open = shape == Shape::open;
   Ring& ring = begin_ring(v, n, open, arena);
-  for (std::uint32_t k = 0; k < n; ++k) ring.ids[k] = start[order[k]];
+  for (std::uint32_t k = 0; k < (has_wedges_ ? n : std::max(n, 8u)); ++k) ring.ids[k] = start[order[k]];
   if (open) ring.ids[n] = end[order[n - 1]];
   if (!has_wedges_) return true;
   for (std::uint32_t k = 0; k < n; ++k) ring.wedge(k) = corner_id(corners[order[k]]);

@@ -64,6 +64,8 @@ class RingMesh {
   void list_corners();
   void make_rings(std::size_t begin, std::size_t end, RingArena& arena, ChainFan chain = chain_fan);
   void cut_open();
+  // Frees the rings and points, when no ring is needed any more; numbers, wedges and corners remain.
+  void free_rings() { rings_.reset(), points_.reset(), arena_ = {}; }
 
   // Includes copies and unused numbers.
   [[nodiscard]] std::size_t vertex_count() const { return input_vertices() + copy_source_.size(); }
@@ -76,7 +78,7 @@ class RingMesh {
   // The vertex or wedge of the mesh that a vertex or wedge equals, or is a copy of.
   [[nodiscard]] Id source_of(Id id) const { return id < input_vertices() ? id : copy_source_[id - input_vertices()]; }
   // The triangles, with corners on copies where the surface was cut; wedges, if there are any.
-  [[nodiscard]] const std::vector<Triangle>& corners() const { return corners_; }
+  [[nodiscard]] std::span<const Triangle> corners() const { return corners_.empty() ? input_->triangles : corners_; }
   // The vertex of a wedge.
   [[nodiscard]] Id vertex_of(Id wedge) const {
     if (wedge >= input_vertices()) return copy_vertex_[wedge - input_vertices()];
@@ -114,9 +116,10 @@ class RingMesh {
     bool open = false;
   };
   // Corners are numbered 4 * triangle + place.
-  static std::uint32_t after(std::uint32_t corner) { return (corner & 3) == 2 ? corner - 2 : corner + 1; }
-  static std::uint32_t before(std::uint32_t corner) { return (corner & 3) == 0 ? corner + 2 : corner - 1; }
-  [[nodiscard]] Id& corner_id(std::uint32_t corner) { return corners_[corner / 4].v[corner % 4]; }
+  // The next one of its triangle and the one before, without a branch, since no place can be predicted.
+  static std::uint32_t after(std::uint32_t corner) { return corner + 1 - (corner >> 1 & 1) * 3; }
+  static std::uint32_t before(std::uint32_t corner) { return corner + 2 - ((corner >> 1 | corner) & 1) * 3; }
+  [[nodiscard]] Id corner_id(std::uint32_t corner) const { return corners()[corner / 4].v[corner % 4]; }
   [[nodiscard]] Id position_id(std::uint32_t corner) const {  // as in the input, without copies
     const Id wedge = input_->triangles[corner / 4].v[corner % 4];
     return has_wedges_ ? input_->wedges.vertex[wedge] : wedge;
@@ -142,7 +145,7 @@ class RingMesh {
 
   const IndexedMesh* input_;
   bool has_wedges_ = false;
-  std::vector<Triangle> corners_;
+  std::vector<Triangle> corners_;  // empty: those of the input, as long as nothing is cut
   // With room for some copies, which grows if there are more. One more after the last, since lanes reach beyond a
   // ring.
   std::size_t room_ = 0;

@@ -99,8 +99,8 @@ inline Shape chain_eight(const Id* start, const Id* end, std::uint32_t n, std::u
   std::uint8_t next[8];
   unsigned has_before = 0;
   bool clear = true;
-  for (std::uint32_t k = 0; k < n; ++k) {
-    const unsigned after = bits(starts == ids8(end[k])) & all;
+  for (std::uint32_t k = 0; k < 8; ++k) {  // all eight, as a loop of any number ends unpredictably
+    const unsigned after = bits(starts == ids8(end[k])) & (k < n ? all : 0);
     clear = clear && (after & ((after - 1) | has_before)) == 0;
     next[k] = static_cast<std::uint8_t>(std::countr_zero(after));
     has_before |= after;

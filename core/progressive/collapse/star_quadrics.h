@@ -1,6 +1,7 @@
 // The quadric of a vertex of the input: the planes of its triangles, and walls along borders and seams.
 #pragma once
 
+#include "core/base/prefetch.h"
 #include "core/progressive/collapse/ring_tests.h"
 
 namespace lodestone::progressive {
@@ -52,9 +53,12 @@ inline void add_wall(CentredQuadric& q, Vec3f edge, Vec3f normal, float factor) 
 }
 
 inline void star_quadrics(const RingMesh& rings, std::size_t begin, std::size_t end, CentredQuadric* quadrics) {
+  constexpr std::size_t ahead = 6;
   for (std::size_t k = begin; k < end; ++k) {
     const auto v = static_cast<Id>(k);
     const Ring& ring = rings.ring(v);
+    for (const Id x : rings.ring(static_cast<Id>(std::min(k + ahead, end - 1))).neighbours())
+      prefetch(&rings.points()[x]);
     bool simple = ring.open == 0 && ring.size <= 8 && ring.size > 0;
     if (rings.has_wedges())
       for (std::uint32_t i = 1; i < ring.size; ++i) simple = simple && ring.wedge(i) == ring.wedge(0);

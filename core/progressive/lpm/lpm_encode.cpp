@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
@@ -40,6 +41,57 @@ struct Groups {
   }
 };
 
+// Splits by group, added last first. Wedges take most of the place of a SplitMesh::Split, and a mesh without them needs
+// none of it: its codec knows all of that.
+class SplitList {
+ public:
+  SplitList(bool has_wedges, std::size_t count) : has_wedges_(has_wedges) {
+    plain_.reserve(count);
+    if (has_wedges) wedges_.reserve(count);
+  }
+
+  void add(const SplitMesh::Split& s) {
+    plain_.push_back({s.parent, s.neighbour, s.between << 2 | static_cast<std::uint32_t>(s.side)});
+    if (!has_wedges_) return;
+    ids_.insert(ids_.end(), s.parents.begin(), s.parents.end());
+    const auto middle = static_cast<std::uint32_t>(ids_.size());
+    ids_.insert(ids_.end(), s.sectors.begin(), s.sectors.end());
+    wedges_.push_back({middle, static_cast<std::uint32_t>(ids_.size()), s.wedge_a, s.wedge_b});
+  }
+  [[nodiscard]] std::size_t size() const { return plain_.size(); }
+  [[nodiscard]] std::uint32_t parent(std::size_t split) const { return plain_[size() - 1 - split].parent; }
+  [[nodiscard]] SplitMesh::Split operator[](std::size_t split) const {
+    const std::size_t at = size() - 1 - split;
+    const Plain& p = plain_[at];
+    SplitMesh::Split s;
+    s.parent = p.parent, s.neighbour = p.neighbour;
+    s.between = p.between_and_side >> 2, s.side = static_cast<SplitMesh::Side>(p.between_and_side & 3);
+    if (!has_wedges_) return s;
+    const Wedges& w = wedges_[at];
+    const auto ids = [&](std::size_t begin, std::size_t end) {
+      return std::vector(ids_.begin() + static_cast<std::ptrdiff_t>(begin),
+                         ids_.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    s.parents = ids(at > 0 ? wedges_[at - 1].sectors_end : 0, w.parents_end);
+    s.sectors = ids(w.parents_end, w.sectors_end);
+    s.wedge_a = w.a, s.wedge_b = w.b;
+    return s;
+  }
+
+ private:
+  struct Plain {
+    std::uint32_t parent, neighbour, between_and_side;
+  };
+  struct Wedges {
+    std::uint32_t parents_end, sectors_end;  // in ids_
+    std::uint32_t a, b;
+  };
+  bool has_wedges_;
+  std::vector<Plain> plain_;
+  std::vector<Wedges> wedges_;
+  std::vector<std::uint32_t> ids_;
+};
+
 class SplitRecorder {
  public:
   SplitRecorder(const ProgressiveMesh& mesh, const Groups& groups) : mesh_(mesh), groups_(groups) {
@@ -51,22 +103,26 @@ class SplitRecorder {
     rings_->make_rings(0, mesh.positions.size(), arena_);
     rings_->cut_open();
     if (rings_->cut_vertices() > 0) fail_order("the surface is not a manifold");
+    plain_.triangles = std::vector<Triangle>();  // the rings have all of it
   }
 
-  // The splits in the order in which vertices come in; leaves the base.
-  std::vector<SplitMesh::Split> splits() {
-    std::vector<SplitMesh::Split> out(groups_.start.size() - groups_.base);
-    for (std::size_t g = groups_.start.size(); g-- > groups_.base;) out[g - groups_.base] = take_back(groups_.start[g]);
+  // Leaves the base.
+  SplitList splits() {
+    const std::size_t count = groups_.start.size() - groups_.base;
+    SplitList out(rings_->has_wedges(), count);
+    stars_.reserve(7 * count), star_sizes_.reserve(count);  // the average is six
+    for (std::size_t g = groups_.start.size(); g-- > groups_.base;) out.add(take_back(groups_.start[g]));
     return out;
   }
 
   // The input of order_in_batches(); call it after splits().
-  [[nodiscard]] SplitSequence sequence(std::span<const SplitMesh::Split> splits) {
+  [[nodiscard]] SplitSequence sequence(const SplitList& splits) {
     SplitSequence out{.base = groups_.base, .parents = {}, .star_ends = {}, .stars = std::move(stars_)};
     std::ranges::reverse(out.stars);  // they came last first
     std::ranges::reverse(star_sizes_);
+    out.parents.reserve(splits.size()), out.star_ends.reserve(splits.size());
     for (std::size_t k = 0; k < splits.size(); ++k) {
-      out.parents.push_back(splits[k].parent);
+      out.parents.push_back(splits.parent(k));
       out.star_ends.push_back((k > 0 ? out.star_ends.back() : 0) + star_sizes_[k]);
     }
     return out;
@@ -102,19 +158,25 @@ class SplitRecorder {
     split.parent = groups_.number[u];
     split.side = ring.open == 0 ? SplitMesh::Side::inside : c.at == 0 ? SplitMesh::Side::back : SplitMesh::Side::front;
     split.between = ring.open == 0 ? ring.size - 3 : ring.size - 2;
-    const std::uint32_t count = groups_.size(groups_.number[v], mesh_.vertex_count());
-    split.parents.assign(mesh_.parents.begin() + v, mesh_.parents.begin() + v + count);
-    const std::uint32_t first = split.side == SplitMesh::Side::front ? 0 : c.at;
-    for (std::uint32_t n = 0, k = first; n < ring.sectors(); ++n, k = ring.next(k))
-      split.sectors.push_back(wedge(v, k) - v);
-    if (split.side != SplitMesh::Side::front) split.wedge_a = across(ring.ids[ring.next(c.at)], v);
-    if (split.side != SplitMesh::Side::back) split.wedge_b = across(ring.ids[ring.previous(c.at)], u);
+    if (rings_->has_wedges()) add_wedges(c, split);
     for (const Id x : ring.neighbours()) stars_.push_back(groups_.number[x]);
     star_sizes_.push_back(ring.size);
     const bool front = split.side == SplitMesh::Side::front;
     split.neighbour = groups_.number[ring.ids[front ? ring.previous(c.at) : ring.next(c.at)]];
     (void)rings_->apply(c, arena_);
     return split;
+  }
+
+  void add_wedges(const Collapse& c, SplitMesh::Split& split) const {
+    const Id v = c.vertex;
+    const Ring& ring = rings_->ring(v);
+    const std::uint32_t count = groups_.size(groups_.number[v], mesh_.vertex_count());
+    split.parents.assign(mesh_.parents.begin() + v, mesh_.parents.begin() + v + count);
+    const std::uint32_t first = split.side == SplitMesh::Side::front ? 0 : c.at;
+    for (std::uint32_t n = 0, k = first; n < ring.sectors(); ++n, k = ring.next(k))
+      split.sectors.push_back(wedge(v, k) - v);
+    if (split.side != SplitMesh::Side::front) split.wedge_a = across(ring.ids[ring.next(c.at)], v);
+    if (split.side != SplitMesh::Side::back) split.wedge_b = across(ring.ids[ring.previous(c.at)], c.target);
   }
 
   // The wedge of x in its triangle with `next` after it.
@@ -129,22 +191,20 @@ class SplitRecorder {
 };
 
 struct Recorded {
-  SplitMesh base;
-  std::vector<SplitMesh::Split> splits;
+  SplitList splits;
   SplitSequence sequence;
+  SplitMesh base;
 };
 
 // The base and the splits after it; the rings are freed.
 Recorded record(const ProgressiveMesh& mesh, const Groups& groups) {
   SplitRecorder recorder(mesh, groups);
-  Recorded out;
-  out.splits = recorder.splits();
-  out.sequence = recorder.sequence(out.splits);
-  out.base = recorder.base();
-  return out;
+  SplitList splits = recorder.splits();
+  SplitSequence sequence = recorder.sequence(splits);
+  return {std::move(splits), std::move(sequence), recorder.base()};
 }
 
-// Splits and values with other numbers, by group.
+// Splits and values with other numbers, by group. Splits are given in their new order, one by one.
 class Renumbering {
  public:
   Renumbering(const Groups& groups, std::vector<std::uint32_t> number, std::uint32_t vertices)
@@ -158,16 +218,12 @@ class Renumbering {
       }
   }
 
-  void apply(std::vector<SplitMesh::Split>& splits) const {
-    std::vector<SplitMesh::Split> out;
-    out.reserve(splits.size());
-    for (std::size_t g = groups_.base; g < old_.size(); ++g) {
-      SplitMesh::Split& s = out.emplace_back(std::move(splits[old_[g] - groups_.base]));
-      s.parent = number_[s.parent], s.neighbour = number_[s.neighbour];
-      for (std::uint32_t& parent : s.parents) parent = wedge_[parent];
-      s.wedge_a = wedge_[s.wedge_a], s.wedge_b = wedge_[s.wedge_b];
-    }
-    splits = std::move(out);
+  [[nodiscard]] SplitMesh::Split split(const SplitList& splits, std::size_t k) const {
+    SplitMesh::Split s = splits[old_[groups_.base + k] - groups_.base];
+    s.parent = number_[s.parent], s.neighbour = number_[s.neighbour];
+    for (std::uint32_t& parent : s.parents) parent = wedge_[parent];
+    s.wedge_a = wedge_[s.wedge_a], s.wedge_b = wedge_[s.wedge_b];
+    return s;
   }
 
   // Errors are the largest of those of the vertices that come in later, as they tell of a mesh without all of these.
@@ -281,15 +337,13 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 
 LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::span<const Texture> thumbnails) {
   const Groups groups(mesh);
-  auto [base, splits, sequence] = record(mesh, groups);
+  auto [splits, sequence, base] = record(mesh, groups);
   LpmHeader header = make_header(mesh, groups, config, thumbnails);
   LatticeValues source = quantize(mesh, groups, header);
   header.finest_error = sum_up(mesh.finest_error, largest_move(mesh, groups, source, header.settings.position_bits));
-  if (config.batch > 0) {
-    const Renumbering renumbering(groups, order_in_batches(sequence, config.batch), mesh.vertex_count());
-    renumbering.apply(splits);
-    renumbering.apply(source);
-  }
+  const Renumbering renumbering(groups, order_in_batches(std::exchange(sequence, {}), config.batch),
+                                mesh.vertex_count());
+  renumbering.apply(source);
   LpmBytes out;
   out.finest_error = header.finest_error;
   const std::string text = to_json(header).dump();
@@ -314,7 +368,7 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::s
   for (std::size_t k = 0; k < splits.size();) {
     const auto groups_now = static_cast<std::uint32_t>(growing.stars.size());
     const std::size_t end = std::min<std::size_t>(splits.size(), k + splits_in_frame(groups_now));
-    for (; k < end; ++k) codec.code(coder, std::move(splits[k]), source);
+    for (; k < end; ++k) codec.code(coder, renumbering.split(splits, k), source);
     append_frame(out.bytes, coder.finish(), growing.wedge_count);
   }
   out.geometry = out.bytes.size() - thumbnail_bytes;

@@ -32,10 +32,8 @@ struct Assembly::WedgeLists {
   }
 };
 
-Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room)
-    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)), out_(std::move(room)) {
-  out_.errors.clear();
-}
+Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence)
+    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)) {}
 
 void Assembly::cut_sequence() {
   std::size_t kept = 0;
@@ -101,7 +99,6 @@ void Assembly::order() {
       add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
   else
     wedges_.resize(wedges_.size() + sequence_.records.size()), out_.errors.resize(wedges_.size());
-  make_room();
 }
 
 // Without wedges every collapse is one vertex, and its number is known.
@@ -116,7 +113,10 @@ void Assembly::number(std::size_t begin, std::size_t end) {
   }
 }
 
-void Assembly::make_room() {
+void Assembly::make_room(ProgressiveMesh&& room) {
+  out_.positions = std::move(room.positions);
+  out_.parents = std::move(room.parents);
+  out_.triangles = std::move(room.triangles);
   const auto like = [&]<class T>(std::vector<T>& to, const std::vector<T>& from) {
     if (!from.empty()) to.resize(wedges_.size());
   };
@@ -146,13 +146,40 @@ void Assembly::gather(std::size_t begin, std::size_t end) {
     out_.parents[k] = number_[sequence_.parents[wedges_[k]]];
 }
 
-void Assembly::find_groups() { groups_ = group_starts(out_); }
+void Assembly::find_groups() {
+  groups_ = group_starts(out_);
+  ancestors_ = std::make_unique_for_overwrite<Ancestor[]>(number_.size());
+}
+
+void Assembly::find_ancestors(std::size_t begin, std::size_t end) {
+  for (std::size_t w = begin; w < end; ++w)
+    if (const Id number = number_[w]; number != no_id)
+      ancestors_[w] = Ancestor{groups_[number]} << 32 | sequence_.parents[w];
+}
+
+// As activation_of (activation.h), by the wedges of the rings: those of a triangle and their parents are near each
+// other in the input and so in memory, by new number they are anywhere.
+Id Assembly::activation_of(const Triangle& corners) const {
+  const auto group = [](Ancestor x) { return static_cast<Id>(x >> 32); };
+  const auto alike = [&](Ancestor x, Ancestor y) { return group(x ^ y) == 0; };
+  Ancestor a = ancestors_[corners.v[0]], b = ancestors_[corners.v[1]], c = ancestors_[corners.v[2]];
+  if (alike(a, b) || alike(b, c) || alike(c, a)) return static_cast<Id>(vertex_count());
+  while (true) {
+    const Ancestor most = a < b ? b : a, less = a ^ b ^ most;
+    a = most < c ? c : most, b = most ^ c ^ a, c = less;
+    if (group(a) < out_.base_vertices) return 0;
+    const Ancestor next = ancestors_[static_cast<Id>(a)];
+    if (alike(next, b) || alike(next, c)) return group(a);
+    a = next;
+  }
+}
 
 void Assembly::map_triangles(std::size_t begin, std::size_t end) {
+  const std::span<const Triangle> all = rings_.corners();
   for (std::size_t t = begin; t < end; ++t) {
-    const Triangle& corners = rings_.corners()[t];
+    const Triangle& corners = all[t];
     mapped_[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
-    activations_[t] = activation_of(mapped_[t], out_, groups_);
+    activations_[t] = activation_of(corners);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,32 +15,38 @@ namespace lodestone::progressive {
 // Collapses in the order in which they happened; parents as in Collapser::parents().
 struct CollapseSequence {
   std::vector<CollapseRecord> records;
-  std::span<const Id> parents;
+  std::vector<Id> parents;
   std::size_t base_triangles = 0;  // at least so many must remain: further collapses are undone
 };
 
-// The steps, in this order; those with a range may run side by side. Mesh and rings must outlive it. Materials and
-// textures are left to the caller.
+// The steps, in this order; those with a range may run side by side. Mesh and rings must outlive it; after order() the
+// rings may be freed. Materials and textures are left to the caller.
 class Assembly {
  public:
-  // `room`: vectors whose memory is reused.
-  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room = {});
+  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);
 
   void order();
+  // `room`: positions, parents and triangles whose memory is reused.
+  void make_room(ProgressiveMesh&& room = {});
   void number(std::size_t begin, std::size_t end);  // of collapse_count()
   void gather(std::size_t begin, std::size_t end);  // of vertex_count()
   void find_groups();
-  void map_triangles(std::size_t begin, std::size_t end);  // of the mesh
+  void find_ancestors(std::size_t begin, std::size_t end);  // of rings_count()
+  void map_triangles(std::size_t begin, std::size_t end);   // of the mesh
   [[nodiscard]] ProgressiveMesh finish();
 
   [[nodiscard]] std::size_t collapse_count() const { return sequence_.records.size(); }
   [[nodiscard]] std::size_t vertex_count() const { return wedges_.size(); }
+  [[nodiscard]] std::size_t rings_count() const { return number_.size(); }
 
  private:
   struct WedgeLists;
+  // A wedge of the rings has its group in the upper half and the wedge that it collapsed into in the lower: in one
+  // number, so that they are put in order without a branch.
+  using Ancestor = std::uint64_t;
   void cut_sequence();
   [[nodiscard]] std::vector<Id> base_order(const std::vector<bool>& gone) const;
-  void make_room();
+  [[nodiscard]] Id activation_of(const Triangle& corners) const;
 
   const IndexedMesh& mesh_;
   const RingMesh& rings_;
@@ -47,6 +54,7 @@ class Assembly {
   std::vector<Id> wedges_, number_;  // of the rings, by new number; the other way
   ProgressiveMesh out_;
   std::vector<std::uint32_t> groups_;
+  std::unique_ptr<Ancestor[]> ancestors_;
   std::unique_ptr<Triangle[]> mapped_;  // in the order of the mesh
   std::unique_ptr<std::uint32_t[]> activations_;
 };

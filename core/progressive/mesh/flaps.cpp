@@ -40,6 +40,7 @@ class FlapFinder {
     for (std::uint32_t v = base; v < mesh_.vertex_count(); ++v)
       if (mesh_.parents[v] < base) splits[groups_[mesh_.parents[v]]] = 1;
     for (const Triangle& t : triangles_) {
+      if (std::min({t.v[0], t.v[1], t.v[2]}) >= base) continue;  // nearly all
       const bool inside = t.v[0] < base && t.v[1] < base && t.v[2] < base;
       for (const std::uint32_t v : t.v) {
         if (v >= base) continue;

@@ -50,7 +50,7 @@ class QuadricSimplifier final : public Simplifier {
 
  private:
   quadric::BlockMemory memory_for(const SimplifyInput& input) {
-    return {*arrays_, nonmanifold_, input.corners.empty() ? nullptr : &seams_};
+    return {*arrays_, nonmanifold_, input.wedge_vertex.empty() ? nullptr : &seams_};
   }
 
   // Vertices on the seams between parts are kept for this call; the next level cuts elsewhere.

@@ -7,11 +7,13 @@
 #include "core/base/error.h"
 #include "parallel/distributed/building/stored_levels.h"
 #include "parallel/distributed/distributed_clean.h"
+#include "parallel/distributed/distributed_wedges.h"
 #include "parallel/distributed/rank_blocks.h"
 #include "parallel/distributed/rank_finest.h"
 #include "parallel/distributed/rank_save.h"
 #include "parallel/distributed/route_triangles.h"
 #include "parallel/hierarchy/build_blocks.h"
+#include "parallel/hierarchy/texture_levels.h"
 
 namespace lodestone {
 namespace {
@@ -24,15 +26,20 @@ void check(const DistributedConfig& config) {
 
 void check(const MeshStream& stream) {
   if (stream.has_attributes())
-    throw UnsupportedError(describe(stream.name(), "",
-                                    "has attributes of vertices, which several ranks do not build: wedges of a vertex "
-                                    "would have to be welded across them",
-                                    "leave them out (--no-attributes), or use lodestone build"));
+    throw UnsupportedError(describe(stream.name(), "", "has attributes of vertices, which are not read in slices",
+                                    "open it with open_rank_input"));
   if (stream.vertex_count() >= FinestVertices::shared_flag)
     throw ResourceError(describe(stream.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
   if (stream.triangle_count() >= 0xffff'ffffu)
     throw ResourceError(describe(stream.name(), "", "more triangles than 32-bit numbers reach", "split the model"));
 }
+
+struct CleanInput {
+  RankInput input;
+  std::optional<RankMemory> memory;
+  CleanSlices clean;
+  std::optional<WedgeSlices> wedges;  // of a mesh with attributes; those of `input` are here then
+};
 
 RankMemory memory_of(const RankInput& input, const DistributedConfig& config, Ranks& ranks, Scheduler& scheduler) {
   RankLimit limit = config.limit;
@@ -40,11 +47,36 @@ RankMemory memory_of(const RankInput& input, const DistributedConfig& config, Ra
   return {input, limit, config.build, ranks, scheduler.workers()};
 }
 
-void describe_input(const CleanSlices& clean, Hierarchy& head) {
+CleanInput read_clean(const OpenInput& open, const DistributedConfig& config, Hierarchy& head, Ranks& ranks,
+                      Scheduler& scheduler) {
+  CleanInput out;
+  auto& [input, memory, clean, wedges] = out;
+  ranks.begin("reading");
+  input = open(ranks, scheduler);
+  check(*input.stream);
+  memory = memory_of(input, config, ranks, scheduler);
+  clean = distributed_clean(input, config.lattice, ranks, scheduler, memory->compared_items());
+  if (input.surface) {
+    head.materials = std::move(input.surface->materials);
+    head.textures = std::move(input.surface->textures);
+    wedges = weld_wedges(std::move(*input.surface), *input.stream, clean, ranks, scheduler);
+    input.stream = std::move(wedges->triangles);
+    head.attributes = wedges->attributes();
+  }
   head.transform = clean.transform;
   head.provenance.repairs = clean.repairs;
   head.provenance.input_vertices = clean.vertices_left.total();
   head.provenance.input_triangles = clean.triangles_left;
+  describe_config(config.build, head);
+  return out;
+}
+
+// At rank 0, which has all textures.
+void copy_textures(const std::string& name, DistributedResult& result, Ranks& ranks, Scheduler& scheduler) {
+  ranks.begin("halving textures");
+  if (ranks.rank() > 0) return;
+  for (const std::string& warning : add_texture_copies(result.tables, scheduler))
+    result.warnings.push_back(name + ": " + warning);
 }
 
 // Measures the stages of a rank.
@@ -103,28 +135,22 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   Stages stages(config, ranks, scheduler);
   DistributedResult result;
   Hierarchy& head = result.tables;
-  RankInput input;
-  std::optional<RankMemory> memory;
-  CleanSlices clean = stages.run("reading", [&] {
-    ranks.begin("reading");
-    input = open(ranks, scheduler);
-    check(*input.stream);
-    memory = memory_of(input, config, ranks, scheduler);
-    return distributed_clean(input, config.lattice, ranks, scheduler, memory->compared_items());
-  });
+  CleanInput read = stages.run("reading", [&] { return read_clean(open, config, head, ranks, scheduler); });
+  RankInput& input = read.input;
+  const RankMemory& memory = *read.memory;
+  const std::string name = input.stream->name();
   result.warnings = std::move(input.warnings);
-  describe_input(clean, head);
-  describe_config(config.build, head);
 
   std::unique_ptr<StoredFinest> stored;  // if the rank does not keep its cells in memory
   auto [choice, routed] = stages.run("sorting", [&] {
-    FinestChoice chosen = choose_cells(*input.stream, clean, config.build, ranks);
+    FinestChoice chosen = choose_cells(*input.stream, read.clean, config.build, ranks);
     RoutedMesh mesh;
-    if (memory->spills())
-      stored = std::make_unique<StoredFinest>(*input.stream, std::move(clean), chosen, *memory, ranks, scheduler);
+    if (memory.spills())
+      stored = std::make_unique<StoredFinest>(*input.stream, std::move(read.clean), chosen, memory, ranks, scheduler);
     else
-      mesh = route_triangles(*input.stream, std::move(clean), chosen, ranks);
+      mesh = route_triangles(*input.stream, std::move(read.clean), chosen, ranks);
     input.stream.reset();
+    if (read.wedges) attach_wedges(*std::exchange(read.wedges, {}), mesh, ranks);
     return std::pair(std::move(chosen), std::move(mesh));
   });
   RankFinest finest = stages.run("sharing", [&] {
@@ -139,17 +165,22 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   });
   stages.report.triangles = stored ? stored->triangles() : finest.triangles.size();
   const std::unique_ptr<RankLevels> levels = stages.run("building", [&]() -> std::unique_ptr<RankLevels> {
-    const BlockSetting setting{config.build, choice.owners, head.transform.lattice};
+    const BlockSetting setting{config.build, choice.owners, head.transform.lattice, head.attributes};
     if (stored)
-      return std::make_unique<StoredLevels>(std::move(stored), choice.level, setting, *memory, ranks, scheduler);
+      return std::make_unique<StoredLevels>(std::move(stored), choice.level, setting, memory, ranks, scheduler);
     return std::make_unique<RankLevelsInMemory>(
         build_rank_levels(std::move(finest.part), choice.level, setting, ranks, scheduler));
   });
   for (std::size_t l = 0; l < levels->level_count(); ++l) stages.report.cells += levels->codes(l).size();
-  result.spilled = memory->spills();
+  result.spilled = memory.spills();
   result.file_bytes = stages.run("writing", [&] {
     return save_ranks(
-        *levels, head, config.output, [&] { result.ranks = stages.gather(); }, ranks, scheduler);
+        *levels, head, config.output,
+        [&] {
+          if (config.texture_copies) copy_textures(name, result, ranks, scheduler);
+          result.ranks = stages.gather();
+        },
+        ranks, scheduler);
   });
   result.ranks[static_cast<std::size_t>(ranks.rank())] = stages.report;
   return result;

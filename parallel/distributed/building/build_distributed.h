@@ -22,8 +22,9 @@ struct DistributedConfig {
   BuildConfig build{};             // not: strategy, refine, order_cells, progress
   std::filesystem::path output{};  // the .lode file, in a folder that all machines share
   Lattice lattice{};               // none, or one
+  bool texture_copies = false;     // of textures for coarser levels: rank 0 makes them (texture_levels.h)
   // Cells and triangles that do not fit are put into temporary files without names, which vanish however the build
-  // ends: in the folder of the output if no other is given.
+  // ends: in the folder of the output if no other is given. Those of a mesh with attributes have to fit.
   RankLimit limit{};
   // Called by all ranks at the start of each stage, with its name for people.
   std::function<void(const std::string&)> on_stage{};
@@ -50,7 +51,7 @@ struct RankReport {
 struct DistributedResult {
   Hierarchy tables;                   // without payloads: levels and cells at rank 0 alone
   std::uint64_t file_bytes = 0;       // at rank 0
-  std::vector<std::string> warnings;  // about the input
+  std::vector<std::string> warnings;  // about the input; of copies of textures at rank 0
   bool spilled = false;               // the cells were kept in temporary files
   std::vector<RankReport> ranks;      // at all ranks; the last stage of the others ends before that of rank 0
 };
@@ -58,8 +59,9 @@ struct DistributedResult {
 using OpenInput = std::function<RankInput(Ranks&, Scheduler&)>;
 
 // Called by all ranks, for the same input and with the same configuration. Throws what build_model throws, also for a
-// limit; UnsupportedError for a mesh with attributes and for options that are not built by ranks. An error of one rank
-// has to reach the others (Transport::fail), or they wait until the time-out.
+// limit; UnsupportedError for options that are not built by ranks and for a stream with attributes, which come as
+// RankInput::surface instead. An error of one rank has to reach the others (Transport::fail), or they wait until the
+// time-out.
 [[nodiscard]] DistributedResult build_distributed(const OpenInput& open, const DistributedConfig& config, Ranks& ranks,
                                                   Scheduler& scheduler);
 

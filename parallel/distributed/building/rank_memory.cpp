@@ -27,6 +27,7 @@ constexpr std::uint64_t vertex_bytes = 20;     // by vertex of a rank: position,
 constexpr std::uint64_t copy_bytes = 20;       // by copy of a vertex on a border, always
 constexpr std::uint64_t met_copy_bytes = 110;  // while it is compared
 constexpr std::uint64_t outer_bytes = 150;     // by vertex of several ranks, while their sums are added up
+constexpr std::uint64_t welded_bytes = 100;    // by wedge of a rank, beside what it has read
 constexpr std::uint64_t table_bytes = 1000;    // by cell of the whole model, at rank 0
 
 std::uint64_t least_part(std::uint64_t triangles) {
@@ -48,7 +49,8 @@ RankMemory::RankMemory(const RankInput& input, const RankLimit& limit, const Bui
       vertices_(largest(input.vertices, ranks.count())),
       triangles_(largest(input.triangles, ranks.count())),
       all_vertices_(input.stream->vertex_count()),
-      all_triangles_(input.stream->triangle_count()) {
+      all_triangles_(input.stream->triangle_count()),
+      wedges_(ranks.maximum(input.surface ? input.surface->wedges : 0)) {
   if (limit_.bytes == 0 && limit_.part == 0) return;
   if (limit_.scratch.empty()) limit_.scratch = ".";
   workers_ = ranks.maximum(static_cast<std::uint64_t>(workers));
@@ -56,13 +58,15 @@ RankMemory::RankMemory(const RankInput& input, const RankLimit& limit, const Bui
   spills_ = limit_.part > 0 || limit_.bytes < in_core_bytes();
   if (limit_.bytes == 0) limit_.bytes = std::numeric_limits<std::uint64_t>::max() / 2;
   if (!spills_) return;
+  if (wedges_ > 0) fail("attributes, which ranks do not put into temporary files, need", in_core_bytes());
   require_limit(build);
   require_room(ranks);
 }
 
 // Upper bounds of what was measured: 50 bytes a triangle of the own share, half a byte for each of all at rank 0.
+// Wedges take the place of the vertices.
 std::uint64_t RankMemory::in_core_bytes() const {
-  return fixed_ + 26 * triangles_ + 52 * vertices_ + all_triangles_ / 2;
+  return fixed_ + 26 * triangles_ + 52 * std::max(vertices_, wedges_) + welded_bytes * wedges_ + all_triangles_ / 2;
 }
 
 std::uint64_t RankMemory::stored_bytes(const BuildConfig& build) const {
@@ -107,9 +111,10 @@ void RankMemory::require_room(Ranks& ranks) const {
 }
 
 void RankMemory::fail(const std::string& what, std::uint64_t need) const {
-  throw ResourceError(
-      describe(input_, "", what + " " + needed_mebibytes(need) + " of memory in each",
-               "give --memory-limit " + std::to_string((need + mebibyte - 1) / mebibyte) + "MiB, or more ranks"));
+  throw ResourceError(describe(input_, "", what + " " + needed_mebibytes(need) + " of memory in each",
+                               std::string(wedges_ > 0 ? "leave them out (--no-attributes), or " : "") +
+                                   "give --memory-limit " + std::to_string((need + mebibyte - 1) / mebibyte) +
+                                   "MiB, or more ranks"));
 }
 
 std::uint64_t RankMemory::left(std::uint64_t taken) const {

@@ -23,7 +23,7 @@ struct RankLimit {
 class RankMemory {
  public:
   // Called by all ranks. Throws ResourceError with the least limit where this one cannot be kept, and FileError where
-  // the folder for temporary files is missing, or its disk too full.
+  // the folder for temporary files is missing, or its disk too full. A mesh with attributes has to fit.
   RankMemory(const RankInput& input, const RankLimit& limit, const BuildConfig& build, Ranks& ranks, int workers);
 
   [[nodiscard]] bool spills() const { return spills_; }
@@ -58,6 +58,7 @@ class RankMemory {
   RankLimit limit_;
   std::uint64_t vertices_, triangles_;          // of the largest slices
   std::uint64_t all_vertices_, all_triangles_;  // of all of them
+  std::uint64_t wedges_;                        // of the rank with the most; 0 without attributes
   std::uint64_t workers_ = 1;                   // of the rank with the most
   std::uint64_t fixed_ = 0;
   bool spills_ = false;

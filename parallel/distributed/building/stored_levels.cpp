@@ -161,7 +161,7 @@ StoredPart StoredLevels::exchange(const StoredPart& made, int level, const CellO
       bytes += message.size() - before;
     }
     for (const Message& message : ranks.exchange(std::move(messages)))
-      for (CellReader reader(message); !reader.at_end();) {
+      for (CellReader reader(message, AttributeSet{}); !reader.at_end();) {
         CellBuild cell;
         out.codes.push_back(reader.read(cell));
         store_.put(cell, true, out.cells.emplace_back());

@@ -281,6 +281,7 @@ class MultiDrawRenderer final : public GlRenderer {
     }
     finish_picture(frame, stats);
     culling.finish(*resources_->target);
+    stats.cells -= culling.divided_cells();
     if (culling.hidden_cells() > 0) stats.work["hidden cells"] = culling.hidden_cells();
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <numeric>
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/material_of.h"
@@ -62,11 +61,11 @@ GeometryPass layers_pass(const Frame& frame, const SurfaceTextures& materials) {
   return pass;
 }
 
-void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells) {
+void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const PartToDraw> parts) {
   if (samples == 1) {
-    process_cells<1>(pass, cells);
+    process_parts<1>(pass, parts);
   } else {
-    process_cells<4>(pass, cells);
+    process_parts<4>(pass, parts);
   }
 }
 
@@ -75,6 +74,7 @@ void GeometryStage::gather(const GeometryPass& pass) {
   cells_.clear();
   shares_.clear();
   cell_of_block_.clear();
+  all_.clear();
   counted_cells_ = triangles_ = morphing_vertices_ = 0;
   for (const PassModel& model : pass.models)
     for (const SelectedCell& selected : (model.model->*pass.selection)->cells)
@@ -83,8 +83,6 @@ void GeometryStage::gather(const GeometryPass& pass) {
   if (cell_of_block_.size() > numbers)
     throw ResourceError("the selected cells have more than 2^32 triangles; raise the pixel error");
   place_lambdas();
-  all_.resize(cells_.size());
-  std::iota(all_.begin(), all_.end(), 0u);
   const std::size_t tiles = TileGrid(pass.size).count();
   for (Workplace& w : workers_) {
     w.bins.fragments.reset(tiles);
@@ -101,7 +99,6 @@ void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
   drawn.cell = selected.cell;
   drawn.level = selected.level;
   drawn.own = &cell;
-  drawn.ranges = selected.ranges;
   drawn.first_triangle = static_cast<TriangleNumber>(cell_of_block_.size() << numbers_per_block_bits);
   drawn.positions = cell.positions.data();
   drawn.normals = cell.normals.data();
@@ -118,11 +115,12 @@ void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
   constexpr std::size_t block = std::size_t{1} << numbers_per_block_bits;
   cell_of_block_.resize(cell_of_block_.size() + (cell.triangles.size() + block - 1) / block,
                         static_cast<std::uint32_t>(cells_.size()));
+  all_.push_back({static_cast<std::uint32_t>(cells_.size()), selected.ranges});
   cells_.push_back(drawn);
   shares_.push_back(passed.share);
   if (passed.share == MaterialShare::layers) return;
   ++counted_cells_;
-  triangles_ += drawn_triangles(cell, drawn.ranges);
+  triangles_ += drawn_triangles(cell, selected.ranges);
 }
 
 void GeometryStage::place_lambdas() {
@@ -138,18 +136,20 @@ void GeometryStage::place_lambdas() {
   }
 }
 
-// A cell's triangles are set up right after its vertices, which are still in the cache.
+// A cell's triangles are set up right after its vertices, which are still in the cache. Their numbers increase in the
+// order of the cell, no matter which of them are drawn first.
 template <int Samples>
-void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells) {
+void GeometryStage::process_parts(const GeometryPass& pass, std::span<const PartToDraw> parts) {
   const Viewport viewport(pass.size);
   const TileGrid grid(pass.size);
   const SetupContext context{pass.projection, &viewport, &grid};
   scheduler_.name_work("geometry");
-  scheduler_.for_chunks(cells.size(), 1, [&](ChunkRange range) {
+  scheduler_.for_chunks(parts.size(), 1, [&](ChunkRange chunk) {
     Workplace& w = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
-    for (std::size_t k = range.begin; k < range.end; ++k) {
-      const DrawnCell& drawn = cells_[cells[k]];
+    for (const PartToDraw& part : parts.subspan(chunk.begin, chunk.end - chunk.begin)) {
+      const DrawnCell& drawn = cells_[part.cell];
       const Cell& cell = *drawn.own;
+      if (drawn_triangles(cell, part.ranges) == 0) continue;
       if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
       const auto& clip = drawn.model->clip;
       const int side = clip ? side_of(*clip, drawn_bounds(*drawn.model->morph.hierarchy, drawn.cell, drawn.level)) : 1;
@@ -157,23 +157,26 @@ void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std:
       const VertexJob job = vertex_job(context, drawn, w);
       kernels_.transform(job);
       if (side == 0) mark_clipped(*clip, drawn, w.vertices);
-      setup_cell(context, kernels_.of<Samples>(), drawn, {triangles_of(pass, cells[k], w), w.vertices.data()}, *w.lists,
-                 w.bins);
+      for_each_range(cell, part.ranges, [&](TriangleRange range) {
+        const CellInWindow window{triangles_of(pass, part.cell, range, w), w.vertices.data(),
+                                  drawn.first_triangle + range.begin};
+        setup_cell(context, kernels_.of<Samples>(), drawn, window, *w.lists, w.bins);
+      });
     }
   });
 }
 
-// The cell's own triangles, or those of materials that the pass draws which do not show the back of a single-sided one.
-// Numbers of triangles are places in this list: in the order of the cell's, which is what they are for.
+// The cell's own triangles in the range, or those of materials that the pass draws which do not show the back of a
+// single-sided one.
 std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, std::uint32_t number,
-                                                      Workplace& w) const {
+                                                      TriangleRange range, Workplace& w) const {
   const DrawnCell& drawn = cells_[number];
   const Cell& cell = *drawn.own;
   const MaterialShare share = shares_[number];
   const bool one_side = pass.materials != nullptr && !pass.both_sides && effects::has_one_side(*drawn.model);
   const bool by_material = share != MaterialShare::all || one_side;
   const bool sifts = by_material || pass.side != ShownSide::either;
-  if (!sifts && drawn.ranges.empty()) return cell.triangles.widened(w.sifted);
+  if (!sifts && !cell.triangles.is_short()) return cell.triangles.wide().subspan(range.begin, range.end - range.begin);
   const auto is_back = [&](const Triangle& t) {
     return shows_back(drawn.model->*pass.projection, drawn, t, w.vertices);
   };
@@ -185,11 +188,16 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
     return !(one_side && m.one_sided && is_back(t));
   };
   w.sifted.clear();
-  for_each_drawn(cell, drawn.ranges, [&](const Triangle& t) {
-    if (by_material && !has_material(t)) return;
-    if (pass.side != ShownSide::either && is_back(t) != (pass.side == ShownSide::back)) return;
+  if (!sifts) {
+    w.sifted.assign(cell.triangles.begin() + range.begin, cell.triangles.begin() + range.end);
+    return w.sifted;
+  }
+  for (auto at = cell.triangles.begin() + range.begin; at != cell.triangles.begin() + range.end; ++at) {
+    const Triangle t = *at;
+    if (by_material && !has_material(t)) continue;
+    if (pass.side != ShownSide::either && is_back(t) != (pass.side == ShownSide::back)) continue;
     w.sifted.push_back(t);
-  });
+  }
   return w.sifted;
 }
 

@@ -18,6 +18,12 @@ enum class MaterialShare : std::uint8_t { all, opaque, layers };
 // The triangles of a pass by the side that they show.
 enum class ShownSide : std::uint8_t { either, front, back };
 
+// Triangles of a cell that are processed together.
+struct PartToDraw {
+  std::uint32_t cell = 0;                 // its number in drawn()
+  std::span<const TriangleRange> ranges;  // as SelectedCell has them
+};
+
 struct PassModel {
   const ModelFrame* model = nullptr;
   MaterialShare share = MaterialShare::all;
@@ -58,13 +64,13 @@ class GeometryStage {
     gather(pass);
     process(pass, samples, all_);
   }
-  // The two halves of a run: the cells of the pass, and some of them, as numbers in drawn(), processed. The second may
-  // be repeated with other cells.
+  // The two halves of a run: the cells of the pass, and parts of them, processed. The second may be repeated with other
+  // triangles.
   void gather(const GeometryPass& pass);
-  void process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells);
+  void process(const GeometryPass& pass, int samples, std::span<const PartToDraw> parts);
 
   [[nodiscard]] DrawnCells drawn() const { return {cells_, cell_of_block_}; }
-  [[nodiscard]] std::span<const std::uint32_t> all() const { return all_; }
+  [[nodiscard]] std::span<const PartToDraw> all() const { return all_; }
   [[nodiscard]] std::span<const Workplace> workers() const { return workers_; }
   // Cells and triangles of models that are drawn in two shares count once.
   [[nodiscard]] std::uint64_t cells() const { return counted_cells_; }
@@ -74,10 +80,10 @@ class GeometryStage {
  private:
   void add(const PassModel& model, const SelectedCell& selected);
   [[nodiscard]] std::span<const Triangle> triangles_of(const GeometryPass& pass, std::uint32_t number,
-                                                       Workplace& w) const;
+                                                       TriangleRange range, Workplace& w) const;
   void place_lambdas();
   template <int Samples>
-  void process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells);
+  void process_parts(const GeometryPass& pass, std::span<const PartToDraw> parts);
   [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn, Workplace& w) const;
 
   Scheduler& scheduler_;
@@ -86,7 +92,7 @@ class GeometryStage {
   std::vector<DrawnCell> cells_;
   std::vector<MaterialShare> shares_;         // of cells_
   std::vector<std::uint32_t> cell_of_block_;  // DrawnCells
-  std::vector<std::uint32_t> all_;            // 0, 1, ...: the numbers of cells_
+  std::vector<PartToDraw> all_;               // of cells_: what the selection shows of each
   std::unique_ptr<float[]> lambdas_;          // of all cells that morph; only ever grows
   std::size_t lambda_room_ = 0;
   std::uint64_t counted_cells_ = 0, triangles_ = 0, morphing_vertices_ = 0;

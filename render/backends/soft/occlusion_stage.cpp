@@ -4,16 +4,21 @@
 
 namespace lodestone::soft {
 
-std::span<const std::uint32_t> OcclusionStage::first(const Frame& frame, const DrawnCells& drawn) {
-  culling_.begin(frame);
-  first_.clear();
-  waiting_.clear();
-  hidden_ = hidden_triangles_ = 0;
-  for (std::uint32_t k = 0; k < drawn.cells.size(); ++k) {
-    const bool waits = culling_.waits(model_of(frame, drawn.cells[k]), drawn.cells[k].cell);
-    (waits ? waiting_ : first_).push_back(k);
+std::span<const PartToDraw> OcclusionStage::first(const Frame& frame, const DrawnCells& drawn,
+                                                  std::span<const PartToDraw> all) {
+  visible_.clear();
+  for (const PartToDraw& part : all) {
+    const DrawnCell& cell = drawn.cells[part.cell];
+    const auto model = static_cast<std::uint32_t>(cell.model - frame.models.data());
+    visible_.push_back({model, part.cell, cell.cell, cell.level, part.ranges});
   }
-  return first_;
+  return to_draw(culling_.first(frame, visible_));
+}
+
+std::span<const PartToDraw> OcclusionStage::to_draw(std::span<const VisiblePart> parts) {
+  to_draw_.clear();
+  for (const VisiblePart& part : parts) to_draw_.push_back({part.number, part.ranges});
+  return to_draw_;
 }
 
 template <int Samples>
@@ -34,28 +39,6 @@ void OcclusionStage::take(const TileBuffer<Samples>& tile, PixelRect rect) {
         }
       blocks[static_cast<std::size_t>((y / block) * pyramid.columns() + x / block)] = farthest;
     }
-}
-
-// Cells that are hidden now remain so: later tiles are only nearer.
-std::span<const std::uint32_t> OcclusionStage::second(const Frame& frame, const DrawnCells& drawn) {
-  culling_.pyramid().build();
-  second_.clear();
-  for (const std::uint32_t k : waiting_) {
-    const DrawnCell& cell = drawn.cells[k];
-    if (hides(frame, cell)) {
-      ++hidden_;
-      hidden_triangles_ += drawn_triangles(*cell.own, cell.ranges);
-    } else {
-      second_.push_back(k);
-    }
-  }
-  return second_;
-}
-
-void OcclusionStage::finish(const Frame& frame, const DrawnCells& drawn) {
-  if (!second_.empty()) culling_.pyramid().build();
-  for (const auto* cells : {&first_, &second_})
-    for (const std::uint32_t k : *cells) (void)hides(frame, drawn.cells[k]);
 }
 
 void TouchedTiles::mark(std::span<const GeometryStage::Workplace> workers, std::size_t tiles) {

@@ -1,5 +1,5 @@
-// Occlusion culling of a picture (render/culling/occlusion.h): which cells are drawn first, and which of the others
-// then.
+// Occlusion culling of a picture (render/culling/occlusion.h): which parts of cells are drawn first, and which of the
+// others then.
 //
 //     first()  -> geometry and tiles -> second() -> geometry, and the tiles that it touched once more -> finish()
 #pragma once
@@ -16,32 +16,27 @@ namespace lodestone::soft {
 
 class OcclusionStage {
  public:
-  // Begins a frame. The cells, as numbers in `drawn`, that were in sight in the last one, or nothing is known of.
-  [[nodiscard]] std::span<const std::uint32_t> first(const Frame& frame, const DrawnCells& drawn);
+  // Begins a frame. Of all parts those that were in sight in the last one, or nothing is known of.
+  [[nodiscard]] std::span<const PartToDraw> first(const Frame& frame, const DrawnCells& drawn,
+                                                  std::span<const PartToDraw> all);
   // The depth of a finished tile. Tiles may be taken at once.
   template <int Samples>
   void take(const TileBuffer<Samples>& tile, PixelRect rect);
-  // The other cells that those drawn so far do not hide.
-  [[nodiscard]] std::span<const std::uint32_t> second(const Frame& frame, const DrawnCells& drawn);
-  // Notes the cells that the finished picture hides, for the next frame.
-  void finish(const Frame& frame, const DrawnCells& drawn);
+  // The others that those drawn so far do not hide.
+  [[nodiscard]] std::span<const PartToDraw> second() { return to_draw(culling_.second()); }
+  // Notes what the finished picture hides, for the next frame.
+  void finish() { culling_.finish(); }
 
   // That were not drawn.
-  [[nodiscard]] std::size_t hidden_cells() const { return hidden_; }
-  [[nodiscard]] std::uint64_t hidden_triangles() const { return hidden_triangles_; }
+  [[nodiscard]] std::size_t hidden_cells() const { return culling_.hidden_cells(); }
+  [[nodiscard]] std::uint64_t hidden_triangles() const { return culling_.hidden_triangles(); }
 
  private:
-  [[nodiscard]] static std::size_t model_of(const Frame& frame, const DrawnCell& cell) {
-    return static_cast<std::size_t>(cell.model - frame.models.data());
-  }
-  [[nodiscard]] bool hides(const Frame& frame, const DrawnCell& cell) {
-    return culling_.hides(model_of(frame, cell), cell.cell, cell.level);
-  }
+  [[nodiscard]] std::span<const PartToDraw> to_draw(std::span<const VisiblePart> parts);
 
   OcclusionCulling culling_;
-  std::vector<std::uint32_t> first_, waiting_, second_;
-  std::size_t hidden_ = 0;
-  std::uint64_t hidden_triangles_ = 0;
+  std::vector<VisiblePart> visible_;
+  std::vector<PartToDraw> to_draw_;
 };
 
 // Which tiles have got something since the last call.

@@ -21,9 +21,12 @@ bool outside_edge(SnappedPoint a, SnappedPoint b, PixelRect rect) {
 
 class CellSetup {
  public:
-  CellSetup(const SetupContext& context, const DrawnCell& cell, std::span<const Triangle> triangles,
-            const WindowVertex* vertices)
-      : context_(context), cell_(cell), triangles_(triangles), vertices_(vertices) {}
+  CellSetup(const SetupContext& context, const DrawnCell& cell, const CellInWindow& window)
+      : context_(context),
+        cell_(cell),
+        triangles_(window.triangles),
+        vertices_(window.vertices),
+        first_triangle_(window.first_triangle) {}
 
   [[nodiscard]] TriangleRecord record(std::uint32_t triangle) const {
     TriangleRecord r;
@@ -34,7 +37,7 @@ class CellSetup {
       r.inverse_w[k] = v.inverse_w;
     }
     r.v = triangles_[triangle].v;
-    r.triangle = cell_.first_triangle + triangle;
+    r.triangle = first_triangle_ + triangle;
     return r;
   }
 
@@ -62,7 +65,7 @@ class CellSetup {
         r.z[to] = corners[from].z;
       }
       r.v = triangles_[triangle].v;
-      r.triangle = cell_.first_triangle + triangle;
+      r.triangle = first_triangle_ + triangle;
       visit(r);
     }
   }
@@ -79,6 +82,7 @@ class CellSetup {
   const DrawnCell& cell_;
   std::span<const Triangle> triangles_;
   const WindowVertex* vertices_;
+  TriangleNumber first_triangle_;
 };
 
 }  // namespace
@@ -118,10 +122,9 @@ void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleReco
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
                 const CellInWindow& window, SetupLists& lists, TileBins& bins) {
-  const auto [triangles, vertices] = window;
-  const CellSetup setup(context, cell, triangles, vertices);
-  const SetupJob job{triangles, vertices, cell.first_triangle, context.grid, &bins.fragments};
-  const auto count = static_cast<std::uint32_t>(triangles.size());
+  const CellSetup setup(context, cell, window);
+  const SetupJob job{window.triangles, window.vertices, window.first_triangle, context.grid, &bins.fragments};
+  const auto count = static_cast<std::uint32_t>(window.triangles.size());
   for (std::uint32_t first = 0; first < count; first += run_triangles) {
     kernels.setup(job, first, std::min(run_triangles, count - first), lists);
     for (std::uint32_t k = 0; k < lists.large_count; ++k)

@@ -26,6 +26,7 @@ struct TileBins {
 struct CellInWindow {
   std::span<const Triangle> triangles;
   const WindowVertex* vertices = nullptr;
+  TriangleNumber first_triangle = 0;  // number of the first; those of the others follow
 };
 
 // Bins triangles of a cell.

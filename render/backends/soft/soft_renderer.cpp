@@ -76,7 +76,7 @@ class SoftRenderer final : public Renderer {
     } else if (frame.culls_occluded()) {
       draw_in_two_passes(frame, stage, stats);
     } else {
-      draw_cells(frame, geometry_.all(), stage, stats);
+      draw_parts(frame, geometry_.all(), stage, stats);
     }
     if (!overdraw && effects::has_occlusion_pass(frame)) {
       occlude(frame);
@@ -158,12 +158,12 @@ class SoftRenderer final : public Renderer {
                             static_cast<std::size_t>(rect.x0)]);
   }
 
-  // Cells of the pass at hand, and the picture of all that has been processed of it, or some of its tiles.
-  void draw_cells(const Frame& frame, std::span<const std::uint32_t> cells, Stopwatch& stage, FrameStats& stats,
+  // Parts of the pass at hand, and the picture of all that has been processed of it, or some of its tiles.
+  void draw_parts(const Frame& frame, std::span<const PartToDraw> parts, Stopwatch& stage, FrameStats& stats,
                   bool again = false) {
     const std::size_t tiles = TileGrid(frame.size).count();
     if (again) touched_.mark(geometry_.workers(), tiles);
-    geometry_.process(opaque_pass(frame, textures_), frame.samples, cells);
+    geometry_.process(opaque_pass(frame, textures_), frame.samples, parts);
     stats.milliseconds["geometry"] += stage.lap();
     tiles_.resize(tiles);
     std::iota(tiles_.begin(), tiles_.end(), 0u);
@@ -178,12 +178,11 @@ class SoftRenderer final : public Renderer {
 
   // Tiles that get something in the second pass are drawn as a whole once more.
   void draw_in_two_passes(const Frame& frame, Stopwatch& stage, FrameStats& stats) {
-    const DrawnCells drawn = geometry_.drawn();
-    draw_cells(frame, occlusion_.first(frame, drawn), stage, stats);
-    const std::span<const std::uint32_t> second = occlusion_.second(frame, drawn);
+    draw_parts(frame, occlusion_.first(frame, geometry_.drawn(), geometry_.all()), stage, stats);
+    const std::span<const PartToDraw> second = occlusion_.second();
     stats.milliseconds["occlusion"] = stage.lap();
-    if (!second.empty()) draw_cells(frame, second, stage, stats, true);
-    occlusion_.finish(frame, drawn);
+    if (!second.empty()) draw_parts(frame, second, stage, stats, true);
+    occlusion_.finish();
     stats.milliseconds["occlusion"] += stage.lap();
     stats.cells -= occlusion_.hidden_cells();
     stats.triangles -= occlusion_.hidden_triangles();

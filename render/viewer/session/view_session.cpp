@@ -34,10 +34,10 @@ void take_settings(const Scene& scene, ViewState& state) {
   }
 }
 
-// The way of a scene, to be played. One that flies down to a surface has to know the surface, which a streamed model
+// The way of a scene, to be played. One down to a surface or along it has to know the surface, which a streamed model
 // does not.
 std::vector<Camera> way_through(const SceneView& scene, bool streamed, ImageSize size) {
-  if (streamed && scene.scene().camera.path == "fly-in") return {};
+  if (streamed && (scene.scene().camera.path == "fly-in" || scene.scene().camera.path == "walk")) return {};
   return camera_path(scene, size);
 }
 

@@ -269,5 +269,17 @@ TEST(Wedges, OfVerticesWithoutTrianglesGoNowhere) {
   EXPECT_EQ(result.wedge_parent[last - 1], last - 1);
 }
 
+// A block whose triangles have all degenerated still has vertices.
+TEST(Wedges, OfABlockWithoutTrianglesGoNowhere) {
+  WedgeMesh mesh;
+  mesh.mesh.positions = {{0, 0, 0}, {1, 0, 0}};
+  mesh.wedge_vertex = {0, 0, 1};
+  const auto simplifier = make_quadric_simplifier();
+  WedgeMesh before = with_charts(terrain(8), 2, 8);  // whose P must not be seen again
+  (void)simplifier->simplify(before.input(0.5f, 10));
+  const SimplifyResult& result = simplifier->simplify(mesh.input(0.5f, 0));
+  EXPECT_EQ(result.wedge_parent, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
 }  // namespace
 }  // namespace lodestone

@@ -231,7 +231,7 @@ class Viewpoints : public ::testing::Test {
 };
 
 TEST_F(Viewpoints, PathsFollowAndPairsDoInPairs) {
-  for (const char* path : {"orbit", "fly-in"}) {
+  for (const char* path : {"orbit", "fly-in", "walk", "wander"}) {
     const std::vector<Shot> path_shots = shots(path, 5);
     ASSERT_EQ(path_shots.size(), 5u);
     for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(path_shots[i].follows, i > 0);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/byte_size.h"
 #include "parallel/distributed/building/build_distributed.h"
 #include "parallel/distributed/local_transport.h"
 #include "parallel/out_of_core/build_model.h"
@@ -17,6 +18,12 @@
 namespace lodestone::testing {
 
 namespace fs = std::filesystem;
+
+// The limit in "give --memory-limit NMiB".
+inline std::uint64_t least_in(const std::string& message) {
+  const std::string option = "--memory-limit ";
+  return std::stoull(message.substr(message.find(option) + option.size())) * mebibyte;
+}
 
 class Distributed : public FolderTest {
  protected:
@@ -30,7 +37,8 @@ class Distributed : public FolderTest {
   std::string in_memory(const std::vector<fs::path>& files) const {
     const auto scheduler = make_tbb_scheduler(2);
     ModelConfig config{.build = config_.build, .output = folder_ / "expected.lode", .lattice = config_.lattice};
-    (void)build_model(ModelSource{files, {.attributes = false}}, config, *scheduler);
+    config.texture_copies = config_.texture_copies;
+    (void)build_model(ModelSource{files, reading_}, config, *scheduler);
     return content(config.output);
   }
 
@@ -54,9 +62,8 @@ class Distributed : public FolderTest {
     return build([&](Ranks& all, Scheduler&) { return shared_out(stream, all.count()); }, ranks, threads, local);
   }
   std::string built(const std::vector<fs::path>& files, int ranks, int threads) const {
-    (void)build(
-        [&](Ranks& all, Scheduler& scheduler) { return open_rank_input(files, {.attributes = false}, all, scheduler); },
-        ranks, threads);
+    (void)build([&](Ranks& all, Scheduler& scheduler) { return open_rank_input(files, reading_, all, scheduler); },
+                ranks, threads);
     return content(config_.output);
   }
   // From any number of ranks, and of threads in each.
@@ -76,6 +83,7 @@ class Distributed : public FolderTest {
   }
 
   DistributedConfig config_;
+  ReadConfig reading_{.attributes = false};
   int most_direct_ = 48;                                                              // ranks that exchange directly
   std::function<void(int rank, const std::string& work, double share)> on_progress_;  // by several threads
 };

@@ -140,7 +140,7 @@ TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
       "property list uchar int vertex_indices\nend_header\n" +
           std::string(3 * 15, '\3') + std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13));
   expect_error_of<UnsupportedError>([&] { (void)build(open_mesh_stream(coloured), 2, 0); },
-                                    {"c.ply", "attributes", "--no-attributes"});
+                                    {"c.ply", "attributes", "open_rank_input"});
 }
 
 // Cells of 8 x 8 x 4 on level 3, all of them.

@@ -93,12 +93,6 @@ TEST_F(DistributedLimit, RefusesAFolderThatIsMissing) {
   expect_error_of<FileError>([&] { (void)build(open_mesh_stream(mesh(sphere(2))), 2, 0); }, {"missing"});
 }
 
-// The limit in "give --memory-limit NMiB".
-std::uint64_t least_in(const std::string& message) {
-  const std::string option = "--memory-limit ";
-  return std::stoull(message.substr(message.find(option) + option.size())) * mebibyte;
-}
-
 TEST_F(DistributedLimit, NamesTheLeastLimit) {
   config_.limit = {.bytes = 8 * mebibyte};
   const std::shared_ptr<const MeshStream> stream = open_mesh_stream(mesh(sphere(3)));
@@ -108,7 +102,7 @@ TEST_F(DistributedLimit, NamesTheLeastLimit) {
     FAIL() << "a limit of 8 MiB was kept";
   } catch (const ResourceError& error) {
     EXPECT_NE(std::string(error.what()).find("m.ply: building by ranks needs "), std::string::npos) << error.what();
-    least = least_in(error.what());
+    least = testing::least_in(error.what());
   }
   config_.limit.bytes = least - mebibyte;
   EXPECT_THROW((void)build(stream, 2, 0), ResourceError);
@@ -131,7 +125,7 @@ class LimitOfRanks : public FolderTest {
     try {
       with_memory(surface, count, {.bytes = 1, .scratch = folder_}, [](const RankMemory&) {});
     } catch (const ResourceError& error) {
-      return least_in(error.what());
+      return testing::least_in(error.what());
     }
     return 0;
   }

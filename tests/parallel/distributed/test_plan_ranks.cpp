@@ -10,7 +10,6 @@
 #include "parallel/distributed/plan_ranks.h"
 #include "parallel/distributed/rank_save.h"
 #include "parallel/hierarchy/save.h"
-#include "tests/expect_error.h"
 #include "tests/parallel/distributed/distributed.h"
 
 namespace lodestone {
@@ -133,21 +132,24 @@ TEST_F(PlanRanks, TakeOneCell) {
   EXPECT_EQ(plan.border_vertices, 0u);
 }
 
-TEST_F(PlanRanks, RefuseWhatRanksDoNotBuild) {
-  (void)build(open_mesh_stream(mesh(sphere(2))), 1, 0);
-  Hierarchy hierarchy = file();
-  hierarchy.attributes.colours = true;
-  expect_error_of<UnsupportedError>([&] { (void)plan_ranks(hierarchy, {}); }, {"attributes"});
-}
-
 TEST(CellMessage, HasTheBytesThatAreStated) {
-  CellBuild cell;
-  cell.slab.allocate(7, 3, 5);
-  cell.triangles = cell.slab.triangles;
-  cell.ids.resize(7), cell.vertex_errors.resize(7), cell.usage.resize(3), cell.border_errors.resize(3);
-  Message message;
-  append_cell(CellCode{1}, cell, message);
-  EXPECT_EQ(message.size(), cell_message_bytes({7, 3, 5}));
+  for (const AttributeSet& attributes : {AttributeSet{}, AttributeSet{.wedges = true, .uv = true, .materials = true},
+                                         AttributeSet{.wedges = true, .colours = true}}) {
+    CellBuild cell;
+    cell.slab.allocate(7, 3, 5, attributes);
+    cell.triangles = cell.slab.triangles;
+    cell.ids.resize(7), cell.vertex_errors.resize(7), cell.usage.resize(3), cell.border_errors.resize(3);
+    if (attributes.wedges) cell.vertex_ids.resize(7);
+    Message message;
+    append_cell(CellCode{1}, cell, message);
+    EXPECT_EQ(message.size(), cell_message_bytes({7, 3, 5, attributes}));
+    CellBuild read;
+    CellReader reader(message, attributes);
+    EXPECT_EQ(reader.read(read), CellCode{1});
+    EXPECT_TRUE(reader.at_end());
+    EXPECT_EQ(read.vertex_ids, cell.vertex_ids);
+    EXPECT_EQ(read.slab.uv.size(), cell.slab.uv.size());
+  }
 }
 
 }  // namespace

@@ -162,14 +162,5 @@ TEST_F(RankInputTest, RanksSeeTheSameFiles) {
   expect_error_of<InputError>([&] { (void)build(open, 3, 0); }, {".ply", "differs from rank to rank"});
 }
 
-TEST_F(RankInputTest, AttributesOfAnyPartAreRefused) {
-  const fs::path good = part("a.ply", 0, 1000);
-  std::ofstream(folder_ / "b.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
-  const OpenInput open = [&](Ranks& ranks, Scheduler& workers) {
-    return open_rank_input(std::vector{good, folder_ / "b.obj"}, {.up = UpAxis::z}, ranks, workers);
-  };
-  expect_error_of<UnsupportedError>([&] { (void)build(open, 2, 0); }, {"a.ply and 1 other", "--no-attributes"});
-}
-
 }  // namespace
 }  // namespace lodestone

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/progressive/collapse/uv_star.h"
+#include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/level.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
@@ -117,6 +118,15 @@ TEST(ProgressiveMesh, SameBytesOnEveryInstructionSet) {
       EXPECT_EQ(plain.errors, avx2.errors);
       EXPECT_EQ(plain.triangles, avx2.triangles);
     }
+}
+
+// Triangles are ordered by the numbers of the input; the numbers of the result must say the same.
+TEST(ProgressiveMesh, TrianglesComeInAsTheParentsSay) {
+  for (const ProgressiveMesh& mesh : test::some_progressive_meshes()) {
+    ProgressiveMesh sorted = mesh;
+    progressive::sort_by_activation(sorted);
+    EXPECT_EQ(sorted.triangles, mesh.triangles);
+  }
 }
 
 TEST(MergeRecords, IsAStableSort) {

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <random>
 
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
@@ -52,7 +54,9 @@ struct Drawn {
   std::vector<FrameStats> stats;
 };
 
-Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFaces* back_faces,
+enum class Hidden { drawn, cells_left_out, runs_left_out };  // those of the cells that are seen, too
+
+Drawn fly(const Flight& flight, Renderer& renderer, Hidden hidden, const BackFaces* back_faces,
           CullingRuns* runs = nullptr) {
   Drawn drawn;
   const Hierarchy& h = *flight.hierarchy;
@@ -65,7 +69,7 @@ Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFac
     Frame frame;
     frame.size = flight.size;
     frame.samples = flight.samples;
-    frame.cull_occluded = occluded;
+    frame.cull_occluded = hidden != Hidden::drawn;
     ModelFrame& model = frame.only();
     model.morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
     model.view_projection = view_projection(camera, h, flight.size);
@@ -76,6 +80,7 @@ Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFac
                  selection);
     if (runs) runs->cull(h, model.view_projection, frame.size, selection);
     model.selection = &selection;
+    if (hidden == Hidden::runs_left_out) model.runs = runs;
     drawn.stats.push_back(renderer.draw(frame));
     drawn.images.push_back(renderer.read_back());
   }
@@ -111,15 +116,29 @@ TEST(Culling, OfRunsChangesNoPicture) {
   for (const Flight& flight : flights()) {
     const auto renderer = make_renderer("soft", *scheduler);
     CullingRuns runs;
-    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, nullptr, &runs);
+    const Drawn all = fly(flight, *renderer, Hidden::drawn, nullptr),
+                culled = fly(flight, *renderer, Hidden::drawn, nullptr, &runs);
     expect_same(all, culled, flight.name);
-    expect_same(all, fly(flight, *renderer, true, nullptr, &runs), flight.name + ", occlusion");
+    const Drawn occluded = fly(flight, *renderer, Hidden::runs_left_out, nullptr, &runs);
+    expect_same(all, occluded, flight.name + ", occlusion");
     EXPECT_LE(triangles(culled), triangles(all)) << flight.name;
     if (flight.name == "scan fly-in" || flight.name == "land fly-in")
       EXPECT_LT(triangles(culled), 0.95 * static_cast<double>(triangles(all))) << flight.name;
     // The null backend counts what the others draw.
-    EXPECT_EQ(triangles(fly(flight, *make_renderer("null", *scheduler), false, nullptr, &runs)), triangles(culled));
+    EXPECT_EQ(triangles(fly(flight, *make_renderer("null", *scheduler), Hidden::drawn, nullptr, &runs)),
+              triangles(culled));
   }
+}
+
+TEST(Culling, OfHiddenRunsLeavesOutMoreThanThatOfCells) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const auto model = test::detail::built(Shape::sphere, 60'000);
+  const Flight flight{"steps of four degrees", model, orbit_path(*model, 90), {320, 200}, 1, 1.0f};
+  CullingRuns runs;
+  const Drawn cells = fly(flight, *make_renderer("soft", *scheduler), Hidden::cells_left_out, nullptr, &runs),
+              both = fly(flight, *make_renderer("soft", *scheduler), Hidden::runs_left_out, nullptr, &runs);
+  expect_same(cells, both, flight.name);
+  EXPECT_LT(triangles(both), triangles(cells));
 }
 
 TEST(Culling, OfRunsChangesNoPictureOnGl) {
@@ -130,9 +149,15 @@ TEST(Culling, OfRunsChangesNoPictureOnGl) {
   for (const Flight& flight : flights()) {
     if (flight.name.find("fly-in") == std::string::npos) continue;
     CullingRuns runs;
-    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, nullptr, &runs);
+    const Drawn all = fly(flight, *renderer, Hidden::drawn, nullptr),
+                culled = fly(flight, *renderer, Hidden::drawn, nullptr, &runs);
     expect_same(all, culled, flight.name);
-    EXPECT_EQ(triangles(culled), triangles(fly(flight, *make_renderer("null", *scheduler), false, nullptr, &runs)));
+    EXPECT_EQ(triangles(culled),
+              triangles(fly(flight, *make_renderer("null", *scheduler), Hidden::drawn, nullptr, &runs)));
+    const Drawn occluded = fly(flight, *renderer, Hidden::runs_left_out, nullptr, &runs);
+    expect_same(all, occluded, flight.name + ", occlusion");
+    EXPECT_LE(triangles(occluded), triangles(culled));
+    for (std::size_t k = 0; k < all.stats.size(); ++k) EXPECT_LE(occluded.stats[k].cells, all.stats[k].cells);
   }
 }
 
@@ -148,6 +173,12 @@ TEST(Culling, BoxesOfRunsHoldBothEndsOfTheMorph) {
         expected[t / CullingRuns::length].extend(cell.positions[v]);
         expected[t / CullingRuns::length].extend(coarser[cell.parents[v]]);
       }
+    // Rounded outwards, and by hardly anything.
+    const auto grown = [](float lo, float hi) { return 0x1p-21f * std::max(std::abs(lo), std::abs(hi)); };
+    for (Box3f& box : expected) {
+      const Vec3f by{grown(box.lo.x, box.hi.x), grown(box.lo.y, box.hi.y), grown(box.lo.z, box.hi.z)};
+      box = {box.lo - by, box.hi + by};
+    }
     EXPECT_TRUE(std::ranges::equal(runs.boxes(h, c), expected)) << c;
   }
   // Other cells may come in the place of those that go.
@@ -159,11 +190,34 @@ TEST(Culling, BoxesOfRunsHoldBothEndsOfTheMorph) {
   EXPECT_FALSE(std::ranges::equal(runs.boxes(h, child), before));
 }
 
+TEST(Culling, BoxesOfRunsHoldWhateverIsDrawnOfThem) {
+  const auto model = test::detail::built(Shape::sphere, 60'000);
+  const Hierarchy& h = *model;
+  CullingRuns runs;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> number(-0.2f, 1.2f);
+  for (CellId c{1}; c < h.cells.size(); ++c) {
+    const Cell& cell = h.cells[c];
+    const std::span<const Vec3f> coarser = h.cells[cell.parent].positions;
+    const std::span<const Box3f> boxes = runs.boxes(h, c);
+    for (std::size_t t = 0; t < cell.triangles.size(); ++t)
+      for (const std::uint32_t v : cell.triangles[t].v) {
+        const float lambda = std::clamp(number(random), 0.0f, 1.0f);
+        const Vec3f p = blend_positions(lambda, cell.positions[v], coarser[cell.parents[v]]);
+        const Box3f& box = boxes[t / CullingRuns::length];
+        ASSERT_TRUE(p.x >= box.lo.x && p.y >= box.lo.y && p.z >= box.lo.z && p.x <= box.hi.x && p.y <= box.hi.y &&
+                    p.z <= box.hi.z)
+            << c << ", triangle " << t;
+      }
+  }
+}
+
 TEST(Culling, OfOccludedCellsChangesNoPicture) {
   const auto scheduler = make_tbb_scheduler(2);
   for (const Flight& flight : flights()) {
     const auto renderer = make_renderer("soft", *scheduler);
-    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, true, nullptr);
+    const Drawn all = fly(flight, *renderer, Hidden::drawn, nullptr),
+                culled = fly(flight, *renderer, Hidden::cells_left_out, nullptr);
     expect_same(all, culled, flight.name);
     EXPECT_LE(triangles(culled), triangles(all));
     std::uint64_t hidden = 0;
@@ -183,7 +237,8 @@ TEST(Culling, OfOccludedCellsChangesNoPictureOfGl) {
   if (!renderer) GTEST_SKIP() << why;
   std::uint64_t saved = 0;
   for (const Flight& flight : flights()) {
-    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, true, nullptr);
+    const Drawn all = fly(flight, *renderer, Hidden::drawn, nullptr),
+                culled = fly(flight, *renderer, Hidden::cells_left_out, nullptr);
     if (flight.samples == 1) {
       expect_same(all, culled, flight.name);
     } else {
@@ -197,10 +252,11 @@ TEST(Culling, OfOccludedCellsChangesNoPictureOfGl) {
 TEST(Culling, OfOccludedCellsIsTheSameForAnyNumberOfThreads) {
   const Flight flight = flights()[1];
   const auto serial = make_serial_scheduler();
-  const Drawn expected = fly(flight, *make_renderer("soft", *serial), true, nullptr);
+  CullingRuns runs;
+  const Drawn expected = fly(flight, *make_renderer("soft", *serial), Hidden::runs_left_out, nullptr, &runs);
   for (const int threads : {1, 3}) {
     const auto scheduler = make_tbb_scheduler(threads);
-    const Drawn drawn = fly(flight, *make_renderer("soft", *scheduler), true, nullptr);
+    const Drawn drawn = fly(flight, *make_renderer("soft", *scheduler), Hidden::runs_left_out, nullptr, &runs);
     expect_same(expected, drawn, flight.name);
     EXPECT_EQ(triangles(drawn), triangles(expected));
   }
@@ -212,9 +268,10 @@ TEST(Culling, OfBackFacesChangesNoPicture) {
   for (const Flight& flight : flights()) {
     const BackFaces back_faces(*flight.hierarchy, *scheduler);
     const auto renderer = make_renderer("soft", *scheduler);
-    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, &back_faces);
+    const Drawn all = fly(flight, *renderer, Hidden::drawn, nullptr),
+                culled = fly(flight, *renderer, Hidden::drawn, &back_faces);
     expect_same(all, culled, flight.name);
-    expect_same(all, fly(flight, *renderer, true, &back_faces), flight.name + ", both");
+    expect_same(all, fly(flight, *renderer, Hidden::cells_left_out, &back_faces), flight.name + ", both");
     saved[back_faces.facing()] += triangles(all) - triangles(culled);
   }
   EXPECT_EQ(saved[Facing::open], 0u);

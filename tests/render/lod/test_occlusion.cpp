@@ -8,6 +8,7 @@
 #include "render/backends/soft/viewport.h"
 #include "render/camera/camera.h"
 #include "render/culling/occlusion.h"
+#include "render/culling/runs.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/render/conformance.h"
 #include "tests/test_meshes.h"
@@ -167,6 +168,173 @@ TEST(Occlusion, WithoutHiddenCellsThePictureIsTheSame) {
     EXPECT_TRUE(rest.depth == all.depth) << "view " << i;
   }
   EXPECT_GT(hidden, 500u);
+}
+
+// The same of runs of the cells that are seen.
+TEST(Occlusion, WithoutHiddenRunsThePictureIsTheSame) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::mt19937 random(4);
+  const std::shared_ptr<const Hierarchy> model = test::detail::built(Shape::sphere, 60'000);
+  const Hierarchy& h = *model;
+  const auto renderer = make_renderer("soft", *scheduler);
+  renderer->upload(h);
+  CullingRuns runs;
+  std::size_t hidden = 0, of_seen_cells = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Camera camera = random_camera(random, h, -0.3, 1.3);
+    RadiiConfig config;
+    config.kappa0 = std::uniform_real_distribution<float>(0.3f, 2)(random);
+    const Radii radii = make_radii(h, config);
+    const ImageSize size{160, 120};
+    Frame frame;
+    ModelFrame& drawn = frame.only();
+    drawn.morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
+    drawn.view_projection = view_projection(camera, h, size);
+    frame.size = size;
+    const Frustum frustum = frustum_of(drawn.view_projection);
+    Selection selection;
+    select_cells(h, radii, drawn.morph.viewpoint, {&frustum, false}, selection);
+    drawn.selection = &selection;
+    renderer->draw(frame);
+    const Image all = renderer->read_back();
+    DepthPyramid pyramid;
+    pyramid.reset(size);
+    fill_blocks(all.depth, size, pyramid);
+    pyramid.build();
+    std::vector<std::vector<TriangleRange>> kept(selection.cells.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      SelectedCell& cell = selection.cells[k];
+      const auto end = static_cast<std::uint32_t>(h.cells[cell.cell].triangles.size());
+      const bool seen = !is_hidden(pyramid, h, cell.cell, cell.level, drawn.view_projection, size);
+      std::uint32_t begin = 0;
+      for (const Box3f& box : runs.boxes(h, cell.cell)) {
+        const auto place = screen_box(drawn.view_projection, box, size);
+        const std::uint32_t run_end = std::min(begin + CullingRuns::length, end);
+        if (place && pyramid.hides(*place)) {
+          ++hidden;
+          of_seen_cells += seen ? 1 : 0;
+        } else {
+          kept[k].push_back({begin, run_end});
+        }
+        begin = run_end;
+      }
+      if (kept[k].empty()) kept[k].push_back({});
+      cell.ranges = kept[k];
+    }
+    renderer->draw(frame);
+    const Image rest = renderer->read_back();
+    EXPECT_TRUE(rest.rgba == all.rgba) << "view " << i;
+    EXPECT_TRUE(rest.depth == all.depth) << "view " << i;
+  }
+  EXPECT_GT(hidden, 1000u);
+  EXPECT_GT(of_seen_cells, 300u);
+}
+
+// A frame as backends hand it to OcclusionCulling.
+struct ViewOfParts {
+  Radii radii;
+  Selection selection;
+  Frame frame;
+  std::vector<VisiblePart> parts;
+
+  ViewOfParts(const Hierarchy& h, const Camera& camera, CullingRuns& runs) {
+    RadiiConfig config;
+    config.kappa0 = 0.5f;
+    radii = make_radii(h, config);
+    frame.size = {160, 120};
+    ModelFrame& model = frame.only();
+    model.morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
+    model.view_projection = view_projection(camera, h, frame.size);
+    model.runs = &runs;
+    const Frustum frustum = frustum_of(model.view_projection);
+    select_cells(h, radii, model.morph.viewpoint, {&frustum, false}, selection);
+    runs.cull(h, model.view_projection, frame.size, selection);
+    for (std::uint32_t k = 0; k < selection.cells.size(); ++k) {
+      const SelectedCell& cell = selection.cells[k];
+      parts.push_back({0, k, cell.cell, cell.level, cell.ranges});
+    }
+  }
+  ViewOfParts(const ViewOfParts&) = delete;
+  ViewOfParts& operator=(const ViewOfParts&) = delete;
+};
+
+// Any depth will do: blocks in columns that hide everything, and others that hide nothing.
+void fill_columns(DepthPyramid& pyramid, std::size_t first) {
+  const std::span<float> blocks = pyramid.blocks();
+  for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k] = k / 5 % 2 == first ? 0.0f : 1.0f;
+}
+
+// Every triangle of the visible cells is drawn in one of the passes or hidden, and in no more than one.
+TEST(Occlusion, DividesTheVisibleTriangles) {
+  const std::shared_ptr<const Hierarchy> model = test::detail::built(Shape::sphere, 60'000);
+  const Hierarchy& h = *model;
+  CullingRuns runs;
+  OcclusionCulling culling;
+  std::size_t divided = 0;
+  for (const Camera& camera : fly_in_path(h, 60)) {
+    const ViewOfParts visible(h, camera, runs);
+    std::vector<std::vector<int>> times(visible.parts.size());
+    const auto add = [&](std::span<const VisiblePart> parts, int n) {
+      std::size_t sum = 0;
+      for (const VisiblePart& part : parts)
+        for_each_range(h.cells[part.cell], part.ranges, [&](TriangleRange range) {
+          sum += range.end - range.begin;
+          times[part.number].resize(h.cells[part.cell].triangles.size());
+          for (std::uint32_t t = range.begin; t < range.end; ++t) times[part.number][t] += n;
+        });
+      return sum;
+    };
+    const std::size_t in_first = add(culling.first(visible.frame, visible.parts), 1);
+    fill_columns(culling.pyramid(), 0);
+    const std::size_t in_second = add(culling.second(), 1);
+    fill_columns(culling.pyramid(), 0);
+    culling.finish();
+    divided += culling.divided_cells();
+    EXPECT_EQ(in_first + in_second + culling.hidden_triangles(), add(visible.parts, -1));
+    for (const std::vector<int>& of_cell : times)
+      for (const int n : of_cell) ASSERT_TRUE(n == 0 || n == -1) << "drawn twice, or out of the picture";
+  }
+  EXPECT_GT(divided, 0u);
+}
+
+TEST(Occlusion, RunsWaitAsLongAsFewComeIntoSight) {
+  const std::shared_ptr<const Hierarchy> model = test::detail::built(Shape::sphere, 60'000);
+  CullingRuns runs;
+  OcclusionCulling culling;
+  const ViewOfParts visible(*model, fly_in_path(*model, 12)[6], runs);
+  // Draws a frame; how many of the cells drawn first lack triangles that wait.
+  const auto incomplete = [&](std::size_t first_column) {
+    std::size_t count = 0;
+    for (const VisiblePart& part : culling.first(visible.frame, visible.parts)) {
+      const Cell& cell = model->cells[part.cell];
+      if (drawn_triangles(cell, part.ranges) < drawn_triangles(cell, visible.parts[part.number].ranges)) ++count;
+    }
+    fill_columns(culling.pyramid(), first_column);
+    (void)culling.second();
+    fill_columns(culling.pyramid(), first_column);
+    culling.finish();
+    return count;
+  };
+  EXPECT_EQ(incomplete(0), 0u) << "nothing is known yet";
+  EXPECT_GT(incomplete(1), 0u);
+  EXPECT_EQ(incomplete(1), 0u) << "all that waited has come into sight";
+  EXPECT_GT(incomplete(1), 0u) << "none has since";
+}
+
+TEST(HiddenCells, KnowTheirRuns) {
+  HiddenCells hidden;
+  hidden.reset(2);
+  hidden.next_frame();
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(1), 3)) << "before the first frame";
+  hidden.note_run(CellId(1), 3);
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(1), 3)) << "of this frame";
+  hidden.next_frame();
+  EXPECT_TRUE(hidden.was_run_hidden(CellId(1), 3));
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(1), 2));
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(1), 4));
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(0), 3));
+  hidden.next_frame();
+  EXPECT_FALSE(hidden.was_run_hidden(CellId(1), 3)) << "a frame later";
 }
 
 TEST(HiddenCells, FollowTheLevels) {

@@ -62,16 +62,28 @@ GlProgram make_program(bool several) {
 }  // namespace
 
 const std::vector<Selection>& GlCulling::first(const Frame& frame) {
-  culling_.begin(frame);
-  second_cells_ = hidden_ = 0;
-  for (std::vector<Selection>* part : {&first_, &waiting_, &second_}) part->assign(frame.models.size(), {});
-  for (std::size_t m = 0; m < frame.models.size(); ++m)
-    for (const SelectedCell& cell : frame.models[m].selection->cells)
-      if (cell.visible) (culling_.waits(m, cell.cell) ? waiting_ : first_)[m].cells.push_back(cell);
-  return first_;
+  frame_ = &frame;
+  visible_.clear();
+  for (std::uint32_t m = 0; m < frame.models.size(); ++m) {
+    const std::vector<SelectedCell>& cells = frame.models[m].selection->cells;
+    for (std::uint32_t k = 0; k < cells.size(); ++k)
+      if (cells[k].visible) visible_.push_back({m, k, cells[k].cell, cells[k].level, cells[k].ranges});
+  }
+  return select(culling_.first(frame, visible_));
 }
 
-void GlCulling::find_hidden(const GlTarget& target) {
+const std::vector<Selection>& GlCulling::select(std::span<const VisiblePart> parts) {
+  selected_.resize(frame_->models.size());
+  for (Selection& selection : selected_) selection.cells.clear();
+  for (const VisiblePart& part : parts) {
+    SelectedCell cell = frame_->models[part.model].selection->cells[part.number];
+    cell.ranges = part.ranges;
+    selected_[part.model].cells.push_back(cell);
+  }
+  return selected_;
+}
+
+void GlCulling::find_depths(const GlTarget& target) {
   DepthPyramid& pyramid = culling_.pyramid();
   const std::span<float> blocks = pyramid.blocks();
   if (blocks.size() > block_room_) {
@@ -90,28 +102,16 @@ void GlCulling::find_hidden(const GlTarget& target) {
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   glGetNamedBufferSubData(blocks_.name(), 0, static_cast<GLsizeiptr>(blocks.size_bytes()), blocks.data());
   for (float& farthest : blocks) farthest = std::min(farthest + interpolation_guard, 1.0f);
-  pyramid.build();
 }
 
 const std::vector<Selection>& GlCulling::second(const GlTarget& target) {
-  find_hidden(target);
-  for (std::size_t m = 0; m < waiting_.size(); ++m)
-    for (const SelectedCell& cell : waiting_[m].cells) {
-      if (culling_.hides(m, cell.cell, cell.level)) {
-        ++hidden_;
-      } else {
-        second_[m].cells.push_back(cell);
-        ++second_cells_;
-      }
-    }
-  return second_;
+  find_depths(target);
+  return select(culling_.second());
 }
 
 void GlCulling::finish(const GlTarget& target) {
-  if (has_second()) find_hidden(target);
-  for (const std::vector<Selection>* part : {&first_, &second_})
-    for (std::size_t m = 0; m < part->size(); ++m)
-      for (const SelectedCell& cell : (*part)[m].cells) (void)culling_.hides(m, cell.cell, cell.level);
+  if (has_second()) find_depths(target);
+  culling_.finish();
 }
 
 }  // namespace lodestone

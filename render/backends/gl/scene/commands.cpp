@@ -93,10 +93,10 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
   pipelines_[pipeline].triangles += triangles;
 
   Bucket& b = bucket(pipeline, place.group);
-  const TriangleRange all{0, static_cast<std::uint32_t>(cell.triangles.size())};
-  for (const TriangleRange range : selected.ranges.empty() ? std::span(&all, 1) : selected.ranges)
+  for_each_range(cell, selected.ranges, [&](TriangleRange range) {
     b.commands.push_back({3 * (range.end - range.begin), 1, place.first_index + 3 * range.begin,
                           static_cast<std::int32_t>(place.first_vertex), static_cast<std::uint32_t>(b.records.size())});
+  });
   GlDrawRecord record{place.parent_first_vertex, selected.level | instance << instance_shift, 0, 0};
   if (!is_static(model, selected)) {
     morphing_vertices_ += cell.positions.size();
