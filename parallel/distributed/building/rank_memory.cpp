@@ -28,6 +28,7 @@ constexpr std::uint64_t copy_bytes = 20;       // by copy of a vertex on a borde
 constexpr std::uint64_t met_copy_bytes = 110;  // while it is compared
 constexpr std::uint64_t outer_bytes = 150;     // by vertex of several ranks, while their sums are added up
 constexpr std::uint64_t welded_bytes = 100;    // by wedge of a rank, beside what it has read
+constexpr std::uint64_t seam_bytes = 280;      // by wedge that a vertex has more than one: few vanish in coarser levels
 constexpr std::uint64_t table_bytes = 1000;    // by cell of the whole model, at rank 0
 
 std::uint64_t least_part(std::uint64_t triangles) {
@@ -66,7 +67,9 @@ RankMemory::RankMemory(const RankInput& input, const RankLimit& limit, const Bui
 // Upper bounds of what was measured: 50 bytes a triangle of the own share, half a byte for each of all at rank 0.
 // Wedges take the place of the vertices.
 std::uint64_t RankMemory::in_core_bytes() const {
-  return fixed_ + 26 * triangles_ + 52 * std::max(vertices_, wedges_) + welded_bytes * wedges_ + all_triangles_ / 2;
+  const std::uint64_t more = wedges_ - std::min(vertices_, wedges_);
+  return fixed_ + 26 * triangles_ + 52 * (vertices_ + more) + welded_bytes * wedges_ + seam_bytes * more +
+         all_triangles_ / 2;
 }
 
 std::uint64_t RankMemory::stored_bytes(const BuildConfig& build) const {
