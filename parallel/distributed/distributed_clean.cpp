@@ -164,10 +164,6 @@ class DistributedCleaning {
     for (int r = 0; r < ranks_.count(); ++r) most = std::max(most, slices.size(r));
     return std::clamp<std::uint64_t>((most + most_items_ - 1) / most_items_, 1, most_turns);
   }
-  // The turn of a hash, by bits on which neither its rank nor its bucket depends.
-  [[nodiscard]] static std::uint64_t turn_of(std::uint64_t hash, std::uint64_t turns) {
-    return ((hash >> 36 & (most_turns - 1)) * turns) / most_turns;
-  }
 
   // Equal positions meet at the rank of their hash. -0 and NaN do not occur any more.
   void weld_vertices(std::uint64_t turn, std::uint64_t turns) {
@@ -178,7 +174,7 @@ class DistributedCleaning {
         [&](std::uint64_t i, const auto& emit) {
           if (states_[i] != VertexState::used) return;
           const std::uint64_t hash = hash_of(out_.positions[i]);
-          if (turn_of(hash, turns) == turn)
+          if (turn_of_hash(hash, turns) == turn)
             emit(rank_of_hash(hash, ranks_), {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
         },
         [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
@@ -209,7 +205,7 @@ class DistributedCleaning {
             if (out_.dropped[at + t]) continue;
             const auto& c = corners.of(t).v;
             const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
-            if (turn_of(hash_of(key), turns) != turn) continue;
+            if (turn_of_hash(hash_of(key), turns) != turn) continue;
             const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
             out[static_cast<std::size_t>(out_.vertices.owner(picked))].push_back(
                 {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
@@ -290,8 +286,6 @@ class DistributedCleaning {
     for (const std::vector<std::uint32_t>& of_rank : question.asked())
       for (const std::uint32_t v : of_rank) states_[v] = VertexState::used;
   }
-
-  static constexpr std::uint64_t most_turns = 1 << 12;
 
   const MeshStream& stream_;
   std::uint64_t most_items_;

@@ -34,6 +34,13 @@ void for_pieces(Ranks& ranks, std::uint64_t count, const Body& body) {
   return static_cast<int>((hash >> 32) * static_cast<std::uint64_t>(ranks.count()) >> 32);
 }
 
+// The turn, of so many that all ranks take together, in which what has this hash is looked at: by bits on which neither
+// its rank nor its bucket depends.
+inline constexpr std::uint64_t most_turns = 1 << 12;
+[[nodiscard]] inline std::uint64_t turn_of_hash(std::uint64_t hash, std::uint64_t turns) {
+  return ((hash >> 36 & (most_turns - 1)) * turns) / most_turns;
+}
+
 // Lists of items by the rank that they go to.
 template <class Item>
 using ByRank = std::vector<std::vector<Item>>;

@@ -16,8 +16,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint64_t most_turns = 1 << 12;
-
 struct CopyItem {
   Vec3f position;
   CellId cell;
@@ -49,7 +47,7 @@ class OwnCopies {
   };
   [[nodiscard]] Meeting meeting(Vec3f p, std::uint64_t turns) const {
     const std::uint64_t hash = hash_of(Vec3f{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f});
-    return {rank_of_hash(hash, ranks_), ((hash >> 36 & (most_turns - 1)) * turns) / most_turns};
+    return {rank_of_hash(hash, ranks_), turn_of_hash(hash, turns)};
   }
 
  private:
@@ -133,9 +131,7 @@ CellSets united(const std::vector<CellSets>& lists, std::vector<std::vector<std:
 
 // The rank at which all meet that have found a set.
 int rank_of_set(std::span<const CellId> cells, const Ranks& ranks) {
-  std::uint64_t hash = cells.size();
-  for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
-  return rank_of_hash(hash * 0x9e37'79b9'7f4a'7c15u, ranks);
+  return rank_of_hash(hash_of(cells) * 0x9e37'79b9'7f4a'7c15u, ranks);  // whose upper bits the last cell has reached
 }
 
 // Sends every set to the rank to(its cells); returns by rank what has come from it, in its order.

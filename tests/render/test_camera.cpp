@@ -14,22 +14,13 @@
 #include "core/hierarchy/model/distance_metric.h"
 #include "render/camera/camera.h"
 #include "tests/expect_error.h"
-#include "tests/naive_hierarchy.h"
-#include "tests/test_meshes.h"
+#include "tests/render/moved_torus.h"
 
 namespace lodestone {
 namespace {
 
-const Hierarchy& torus() {
-  static const auto small = test::naive_hierarchy(test::torus_mesh(64, 32), 2);
-  return small.hierarchy;
-}
-
-Hierarchy moved_torus() {
-  Hierarchy h = torus();
-  h.transform = {{-2e6, 5e5, 1e3}, 350};
-  return h;
-}
+using test::moved_torus;
+using test::torus;
 
 struct Clip {
   double x, y, z, w;

@@ -11,25 +11,18 @@
 #include "core/mesh/up_axis.h"
 #include "render/camera/camera.h"
 #include "tests/naive_hierarchy.h"
+#include "tests/render/moved_torus.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
+using test::moved_torus;
+using test::torus;
+
 const Hierarchy& terrain() {
   static const auto small = test::naive_hierarchy(test::terrain_mesh(32), 2);
   return small.hierarchy;
-}
-
-const Hierarchy& torus() {
-  static const auto small = test::naive_hierarchy(test::torus_mesh(64, 32), 2);
-  return small.hierarchy;
-}
-
-Hierarchy moved_torus() {
-  Hierarchy h = torus();
-  h.transform = {{-2e6, 5e5, 1e3}, 350};
-  return h;
 }
 
 // From a point to the nearest vertex of the finest level.

@@ -9,13 +9,14 @@
 #include "core/base/sort_unique.h"
 
 namespace lodestone {
-namespace {
 
 std::uint64_t hash_of(std::span<const CellId> cells) {
   std::uint64_t hash = cells.size();
   for (const CellId cell : cells) hash = (hash ^ cell) * 0x9e37'79b9'7f4a'7c15u, hash ^= hash >> 32;
   return hash;
 }
+
+namespace {
 
 // Bits; -0 is 0. Compared without a branch: most positions are there already.
 struct Position {

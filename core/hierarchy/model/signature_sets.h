@@ -11,6 +11,9 @@
 
 namespace lodestone {
 
+// Equal for equal sets, which are in ascending order.
+[[nodiscard]] std::uint64_t hash_of(std::span<const CellId> cells);
+
 // Vertices of a level that cells share, a copy for each cell that has one: all copies of each of some positions.
 struct BorderCopies {
   std::vector<Vec3f> positions;

@@ -77,7 +77,7 @@ void name_vertices(const Part& part, const std::vector<Stored>& stored, const Ve
     for (const Named& named : of_peer) wedges.set_vertex(named.cell, named.local, named.vertex);
 }
 
-// Where those of a finer vertex meet, in its order.
+// The children whose finer vertices meet at this peer, by vertex and then by number.
 std::vector<Child> children(const Part& part, int level, const LevelWedges& fine, const LevelWedges& coarse) {
   std::vector<Child> all;
   all.reserve(fine.size());
