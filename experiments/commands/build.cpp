@@ -142,11 +142,11 @@ void print(const BuildResult& result, const Row& row, const BuildOptions& option
 }
 
 void run(const BuildOptions& options, const CommonOptions& common) {
+  if (options.resume)
+    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files that were kept\n");
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
   check_files(common, file_arguments("IN", options.inputs), outputs);
-  if (options.resume)
-    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files that were kept\n");
   BuildJob job = job_of(options);
   auto scheduler = make_scheduler(common);
   if (!options.trace.empty()) {
