@@ -10,9 +10,11 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
+#include <system_error>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 
 namespace lodestone {
 namespace {
@@ -61,6 +63,21 @@ std::size_t InputFile::read_at(std::uint64_t offset, std::span<char> bytes) cons
     done += static_cast<std::size_t>(got);
   }
   return done;
+}
+
+std::uint64_t file_identity(const std::filesystem::path& path) {
+  constexpr std::size_t samples = 64, sample_bytes = 4096;
+  const InputFile file(path);
+  std::error_code ignored;
+  std::vector<std::uint64_t> sums{
+      file.size(),
+      static_cast<std::uint64_t>(std::filesystem::last_write_time(path, ignored).time_since_epoch().count())};
+  std::vector<char> bytes(sample_bytes);
+  for (std::size_t i = 0; i < samples; ++i) {
+    const std::size_t got = file.read_at(file.size() / samples * i, bytes);
+    sums.push_back(checksum(std::as_bytes(std::span(bytes).first(got))));
+  }
+  return checksum(std::as_bytes(std::span(sums)));
 }
 
 MappedFile::MappedFile(const std::filesystem::path& path) : name_(path.string()) {

@@ -33,6 +33,9 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
+// Equal for a file that has not changed, by its size, its time and samples of its bytes. Throws as InputFile does.
+[[nodiscard]] std::uint64_t file_identity(const std::filesystem::path& path);
+
 class MappedFile {
  public:
   // Throws FileError as InputFile does. An empty file gives no bytes.

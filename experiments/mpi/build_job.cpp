@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "experiments/command_line/version.h"
 #include "experiments/commands/input.h"
 #include "experiments/large_memory.h"
 #include "experiments/metrics/cost/cost.h"
@@ -28,7 +29,7 @@ struct JobOptions {
   std::optional<int> levels, lattice_bits;
   std::string simplifier = BuildConfig{}.simplifier;
   std::optional<std::string> placement;
-  bool half_levels = false, texture_levels = false, no_attributes = false;
+  bool half_levels = false, texture_levels = false, no_attributes = false, resume = false;
   double timeout = 600;
 };
 
@@ -52,7 +53,8 @@ DistributedConfig config_of(const JobOptions& options) {
   config.output = options.output;
   config.texture_copies = options.texture_levels;
   config.lattice = {options.lattice_bits.value_or(0)};
-  config.limit = {.bytes = options.memory_limit.count, .scratch = options.scratch};
+  config.limit = {.bytes = options.memory_limit.count, .scratch = options.scratch, .resume = options.resume};
+  config.program = std::string(program_version());
   return config;
 }
 
@@ -72,6 +74,8 @@ void check_outputs(const JobOptions& options, const CommonOptions& common) {
 }
 
 JobReport run_job(const JobOptions& options, const CommonOptions& common, Transport& transport) {
+  if (options.resume && transport.rank() == 0)
+    set_interrupt_line("lodestone-mpi: interrupted; --resume continues from the temporary files that were kept\n");
   if (transport.rank() == 0) check_outputs(options, common);
   Ranks ranks(transport);
   std::unique_ptr<Scheduler> scheduler = make_scheduler(common);
@@ -135,6 +139,7 @@ Json rank_json(const JobReport& report, std::size_t rank) {
                {"host", report.hosts[rank]},
                {"triangles", of.triangles},
                {"cells", of.cells},
+               {"blocks_resumed", of.blocks_resumed},
                {"peak_bytes", report.peak_bytes[rank]},
                {"stages", stages}});
   return json;
@@ -228,6 +233,10 @@ OptionTable declare(JobOptions& o) {
        OptionSpec{"--scratch", &o.scratch, "Folder for temporary files, on each machine; default: that of the output"}
            .only_with({"--memory-limit"})
            .of_type("DIR"),
+       OptionSpec{"--resume", &o.resume,
+                  "Keep what is done in temporary files when the job is interrupted, and continue from it, with any "
+                  "number of processes"}
+           .only_with({"--memory-limit"}),
        {"--trace", &o.trace,
         "File for what each rank did when, its workers, stages and waits for messages: JSON for chrome://tracing or "
         "ui.perfetto.dev (.json)"},

@@ -39,7 +39,7 @@ void refuse_beyond_limit(const BuildJob& job) {
 }
 
 ScratchUse scratch_use(const ModelConfig& config, const ModelNeed& need) {
-  std::filesystem::path folder = scratch_folder(config);
+  std::filesystem::path folder = scratch_folder(config.output, config.scratch);
   if (!config.resume) folder = folder.has_parent_path() ? folder.parent_path() : ".";
   return {folder.string(), config.resume, need.scratch_bytes};
 }

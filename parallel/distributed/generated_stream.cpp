@@ -1,17 +1,19 @@
 #include "parallel/distributed/generated_stream.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 
 namespace lodestone {
 namespace {
 
 class GeneratedStream final : public MeshStream {
  public:
-  explicit GeneratedStream(const GenerateConfig& config) : surface_(config) {
+  explicit GeneratedStream(const GenerateConfig& config) : config_(config), surface_(config) {
     vertices_ = surface_.vertex_count();
     triangles_ = surface_.triangle_count();
   }
@@ -22,9 +24,13 @@ class GeneratedStream final : public MeshStream {
   void read_triangles(std::uint64_t first, std::span<Triangle> out) const override {
     for (Triangle& t : out) t = surface_.triangle(first++);
   }
-  [[nodiscard]] std::uint64_t identity() const override { return 0; }
+  [[nodiscard]] std::uint64_t identity() const override {
+    const std::array<std::uint64_t, 3> all{static_cast<std::uint64_t>(config_.shape), config_.triangles, config_.seed};
+    return checksum(std::as_bytes(std::span(all)));
+  }
 
  private:
+  GenerateConfig config_;
   GeneratedSurface surface_;
   const std::string name_ = "generated surface";
 };

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
+#include "core/files/input_file.h"
 #include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
@@ -66,6 +67,14 @@ std::uint64_t bytes_of(const fs::path& path) {
   return sum;
 }
 
+std::uint64_t identity_of(const fs::path& path) {
+  std::error_code failed;
+  if (!fs::is_directory(path, failed)) return file_identity(path);
+  std::uint64_t sum = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, failed)) sum += identity_of(entry.path());
+  return sum;
+}
+
 class InputParts {
  public:
   InputParts(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks, Scheduler& scheduler)
@@ -91,6 +100,7 @@ class InputParts {
     input.vertices = slices(&PartFigures::vertices);
     input.triangles = slices(&PartFigures::triangles);
     input.warnings = gather_warnings();
+    input.identity = ranks_.gather(ranks_.rank() == 0 ? identity() : 0).front();  // machines may differ in times
     for (const Part& part : parts_) {
       input.reading.polygons_triangulated += part.figures.polygons_triangulated;
       input.reading.faces_dropped += part.figures.faces_dropped;
@@ -105,6 +115,13 @@ class InputParts {
   }
 
  private:
+  [[nodiscard]] std::uint64_t identity() const {
+    std::vector<std::uint64_t> all;
+    for (const Part& part : parts_)
+      all.push_back(identity_of(part.tile ? part.tile->file : mesh_path(files_[part.file])));
+    return checksum(std::as_bytes(std::span(all)));
+  }
+
   // Those of this rank of the parts that `takes`.
   template <class Takes>
   void read_wholes(const Takes& takes) {
@@ -308,6 +325,7 @@ RankInput shared_out(std::shared_ptr<const MeshStream> stream, int ranks) {
   input.vertices = Slices(input.stream->vertex_count(), ranks);
   input.triangles = Slices(input.stream->triangle_count(), ranks);
   input.warnings = input.stream->warnings();
+  input.identity = input.stream->identity();
   return input;
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/files/checksum.h"
 #include "core/files/input_file.h"
 #include "core/formats/mesh_reader.h"
 #include "core/formats/plain/stl.h"
@@ -37,19 +36,7 @@ class FileStream : public MeshStream {
   FileStream(const std::filesystem::path& path, Up up) : file_(path), path_(path) { up_ = up; }
   [[nodiscard]] const std::string& name() const override { return file_.name(); }
 
-  [[nodiscard]] std::uint64_t identity() const override {
-    constexpr std::size_t samples = 64, sample_bytes = 4096;
-    std::error_code ignored;
-    std::vector<std::uint64_t> sums{
-        file_.size(),
-        static_cast<std::uint64_t>(std::filesystem::last_write_time(path_, ignored).time_since_epoch().count())};
-    std::vector<char> bytes(sample_bytes);
-    for (std::size_t i = 0; i < samples; ++i) {
-      const std::size_t got = file_.read_at(file_.size() / samples * i, bytes);
-      sums.push_back(checksum(std::as_bytes(std::span(bytes).first(got))));
-    }
-    return checksum(std::as_bytes(std::span(sums)));
-  }
+  [[nodiscard]] std::uint64_t identity() const override { return file_identity(path_); }
 
  protected:
   [[nodiscard]] const InputFile& file() const { return file_; }

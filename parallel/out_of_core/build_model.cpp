@@ -195,10 +195,10 @@ ModelSource open_model_source(std::vector<std::filesystem::path> files, const Re
   return source;
 }
 
-std::filesystem::path scratch_folder(const ModelConfig& config) {
-  std::filesystem::path name = config.output.filename();
+std::filesystem::path scratch_folder(const std::filesystem::path& output, const std::filesystem::path& scratch) {
+  std::filesystem::path name = output.filename();
   name += ".scratch";
-  return (config.scratch.empty() ? config.output.parent_path() : config.scratch) / name;
+  return (scratch.empty() ? output.parent_path() : scratch) / name;
 }
 
 ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler) {

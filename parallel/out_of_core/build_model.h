@@ -71,7 +71,8 @@ struct ModelNeed {
 [[nodiscard]] ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int workers);
 
 // Folder of the temporary files with names: DIR/NAME.scratch for an output NAME.
-[[nodiscard]] std::filesystem::path scratch_folder(const ModelConfig& config);
+[[nodiscard]] std::filesystem::path scratch_folder(const std::filesystem::path& output,
+                                                   const std::filesystem::path& scratch);
 
 // Numbers of values in the mesh file.
 struct AttributeCounts {

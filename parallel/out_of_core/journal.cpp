@@ -51,6 +51,7 @@ void Journal::append(Kind kind, std::span<const std::byte> bytes) {
 void ByteWriter::append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
 
 void ByteSource::take(std::span<std::byte> to) {
+  if (bytes_.size() < to.size()) throw Error("a record ends too early");
   std::copy_n(bytes_.begin(), to.size(), to.begin());
   bytes_ = bytes_.subspan(to.size());
 }

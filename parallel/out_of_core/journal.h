@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/files/scratch_file.h"
 
 namespace lodestone {
@@ -54,10 +55,12 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-// For bytes of a ByteWriter with the same calls in the same order; the checksum has been looked at.
+// For bytes of a ByteWriter with the same calls in the same order. Throws Error where they end too early.
 class ByteSource {
  public:
   explicit ByteSource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  [[nodiscard]] std::span<const std::byte> left() const { return bytes_; }
+  void take(std::span<std::byte> to);
   template <class T>
   void get(T& value) {
     take(std::as_writable_bytes(std::span(&value, 1)));
@@ -66,12 +69,12 @@ class ByteSource {
   void get_vector(std::vector<T>& items) {
     std::uint64_t size = 0;
     get(size);
+    if (size > bytes_.size() / sizeof(T)) throw Error("a record ends too early");
     items.resize(size);
     take(std::as_writable_bytes(std::span(items)));
   }
 
  private:
-  void take(std::span<std::byte> to);
   std::span<const std::byte> bytes_;
 };
 

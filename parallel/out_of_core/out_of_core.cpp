@@ -97,7 +97,7 @@ void check(const MeshStream& stream, const ModelConfig& config, int workers) {
   const ModelNeed need = model_need(stream, config, workers);
   if (config.memory_limit < need.memory_bytes)
     fail_too_small(stream, "building out of core needs", need.memory_bytes, "");
-  const std::filesystem::path folder = scratch_folder(config).parent_path();
+  const std::filesystem::path folder = scratch_folder(config.output, config.scratch).parent_path();
   const std::uint64_t room = free_bytes(folder.empty() ? "." : folder);
   if (!config.resume && room < need.scratch_bytes)
     throw FileError(describe(folder.empty() ? "." : folder.string(), "",
@@ -305,7 +305,8 @@ ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int wo
                 16 * vertices + shared * SharedVertices::peak_bytes_per_vertex,
                 16 * vertices + shared * SharedVertices::bytes_per_vertex + block * StoredBlocks::bytes_per_triangle});
   // Triangles once for sorting, then cells: 23 bytes per triangle, and what only blocks know.
-  need.scratch_bytes = 12 * triangles + static_cast<std::uint64_t>(24.75 * stored) + (config.resume ? 12 * vertices : 0);
+  need.scratch_bytes =
+      12 * triangles + static_cast<std::uint64_t>(24.75 * stored) + (config.resume ? 12 * vertices : 0);
   return need;
 }
 

@@ -1,41 +1,16 @@
 #include "parallel/out_of_core/out_of_core_state.h"
 
-#include <algorithm>
 #include <span>
 #include <system_error>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/files/checksum.h"
-#include "parallel/hierarchy/build_blocks.h"
 #include "parallel/mesh/vertex_sharing.h"
 #include "parallel/scheduler/first_touch.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t journal_version = 4;
 constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
-
-// Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
-std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& config) {
-  const BuildConfig& build = config.build;
-  ByteWriter out;
-  out.put(journal_version);
-  out.put(stream.identity());
-  out.put(stream.vertex_count());
-  out.put(stream.triangle_count());
-  out.put(stream.up());
-  out.put(build.sigma0);
-  out.put(build.finest_level);
-  out.put(build.half_levels);
-  out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
-  out.put(checksum(std::as_bytes(std::span(build.simplifier))));
-  out.put(placement_of(build));
-  out.put(config.lattice.bits);
-  out.put(checksum(std::as_bytes(std::span(config.program))));
-  return {out.bytes().begin(), out.bytes().end()};
-}
 
 BitSet shared_bits(const FinestVertices& vertices) {
   BitSet bits(vertices.sharing.size());
@@ -65,38 +40,23 @@ void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
 
 OutOfCoreFiles::OutOfCoreFiles(const MeshStream& stream, const ModelConfig& config) {
   if (!config.resume) {
-    const std::filesystem::path folder = scratch_folder(config).parent_path();
+    const std::filesystem::path folder = scratch_folder(config.output, config.scratch).parent_path();
     const std::filesystem::path at = folder.empty() ? "." : folder;
     triangles_ = ScratchFile::nameless(at);
     cells_ = ScratchFile::nameless(at);
     return;
   }
-  folder_ = scratch_folder(config);
-  std::error_code error;
-  std::filesystem::create_directory(folder_, error);
-  if (error)
-    throw FileError(describe(folder_.string(), "", "cannot create the folder for temporary files: " + error.message(),
-                             "create the folder that it is in, or choose one that you may write to (--scratch)"));
-  const std::vector<std::byte> identity = identity_of(stream, config);
-  bool begun = false, foreign = false;
-  const auto take = [&](Journal::Kind kind, std::span<const std::byte> bytes) {
-    if (!begun) {
-      begun = kind == Journal::Kind::begin && std::ranges::equal(bytes, identity);
-      foreign = !begun;
-    } else if (kind == Journal::Kind::spilled && spilled_.empty()) {
-      spilled_.assign(bytes.begin(), bytes.end());
-    } else if (kind == Journal::Kind::block && !spilled_.empty()) {
-      blocks_.emplace_back(bytes.begin(), bytes.end());
-    }
-    if (foreign)
-      throw InputError(describe(folder_.string(), "",
-                                "holds an interrupted build of another input, with other parameters or by another "
-                                "version of the program",
-                                "remove it, or give another --scratch"));
-    return true;
-  };
-  journal_ = std::make_unique<Journal>(folder_ / "journal", take);
-  if (!begun) journal_->append(Journal::Kind::begin, identity);
+  folder_ = scratch_folder(config.output, config.scratch);
+  create_scratch_folder(folder_);
+  const InputIdentity input{stream.identity(), stream.vertex_count(), stream.triangle_count(), stream.up()};
+  journal_ =
+      open_build_journal(folder_ / "journal", build_identity(input, config.build, config.lattice, config.program),
+                         [&](Journal::Kind kind, std::span<const std::byte> bytes) {
+                           if (kind == Journal::Kind::spilled && spilled_.empty())
+                             spilled_.assign(bytes.begin(), bytes.end());
+                           else if (kind == Journal::Kind::block && !spilled_.empty())
+                             blocks_.emplace_back(bytes.begin(), bytes.end());
+                         });
   triangles_ = ScratchFile::named(folder_ / "triangles");
   cells_ = ScratchFile::named(folder_ / "cells");
   positions_ = ScratchFile::named(folder_ / "positions");

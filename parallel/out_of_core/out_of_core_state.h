@@ -8,8 +8,8 @@
 
 #include "core/hierarchy/construct/finest_cell.h"
 #include "core/mesh/indexed_mesh.h"
+#include "parallel/out_of_core/build_journal.h"
 #include "parallel/out_of_core/build_model.h"
-#include "parallel/out_of_core/journal.h"
 #include "parallel/out_of_core/spill.h"
 
 namespace lodestone {

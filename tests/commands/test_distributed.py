@@ -233,7 +233,8 @@ class UnderLauncher(DistributedCase):
     def test_limits_are_refused_in_one_line(self):
         small = ("--generate", "sphere:5000", "-o", "m.lode")
         self.assert_refused(self.job(2, *small, "--memory-limit", "much"), USAGE, "--memory-limit")
-        self.assert_refused(self.job(2, *small, "--scratch", "."), USAGE, "--scratch", "--memory-limit")
+        for option in (("--scratch", "."), ("--resume",)):
+            self.assert_refused(self.job(2, *small, *option), USAGE, option[0], "--memory-limit")
 
     def test_attributes_have_to_fit_the_limit(self):
         self.assert_refused(self.job(2, command_case.TEXTURED, "-o", "m.lode", "--memory-limit", "32MiB"), RESOURCE,
@@ -262,6 +263,30 @@ class UnderLauncher(DistributedCase):
             self.assertNotEqual(job.wait(60), 0)
         self.assertEqual(self.listing(), {"scratch": None})
         self.assertEqual(list((self.folder / "scratch").iterdir()), [])
+
+    def test_a_killed_job_continues_with_other_ranks(self):
+        surface = ("--generate", "sphere:3e6", "--threads", 1)
+        limited = (*surface, "--memory-limit", "118MiB", "--resume")
+        expected, _ = self.built(2, *surface)
+        for name in ("m.lode", "m.json"):
+            (self.folder / name).unlink()
+
+        def cells():
+            return sum(file.stat().st_size for file in self.folder.glob("m.lode.scratch/cells-*"))
+        for number, said in ((signal.SIGKILL, ""), (signal.SIGINT, "lodestone-mpi: interrupted; --resume continues")):
+            with subprocess.Popen(command(3, *limited, "-o", "m.lode", "--quiet"), cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  text=True, env=ENVIRONMENT) as process:
+                until(lambda before=cells(): cells() > before + (4 << 20), "blocks in the files", timeout=60)
+                if number == signal.SIGKILL:
+                    self.kill_one(3)
+                else:
+                    process.send_signal(number)
+                self.assertNotEqual(process.wait(60), 0)
+                self.assertIn(said, process.stdout.read())
+            self.assertEqual({name.split(".tmp")[0] for name in os.listdir(self.folder)}, {"m.lode.scratch"})
+        built, figures = self.built(2, *limited)
+        self.assertTrue(built == expected)
+        self.assertGreater(sum(rank["blocks_resumed"] for rank in figures["ranks"]), 10)
 
     def test_a_rank_that_is_killed_ends_the_job_without_a_file(self):
         with subprocess.Popen(command(3, "--generate", "sphere:20e6", "-o", "m.lode", "--threads", 1, "--quiet"),

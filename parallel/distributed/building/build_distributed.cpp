@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/files/temporaries.h"
 #include "parallel/distributed/building/stored_levels.h"
 #include "parallel/distributed/distributed_clean.h"
 #include "parallel/distributed/distributed_wedges.h"
@@ -14,6 +15,8 @@
 #include "parallel/distributed/route_triangles.h"
 #include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/texture_levels.h"
+#include "parallel/out_of_core/build_journal.h"
+#include "parallel/out_of_core/build_model.h"
 
 namespace lodestone {
 namespace {
@@ -37,6 +40,7 @@ void check(const MeshStream& stream) {
 struct CleanInput {
   RankInput input;
   std::optional<RankMemory> memory;
+  std::unique_ptr<KeptBlocks> kept;  // if the build is to be continued
   CleanSlices clean;
   std::optional<WedgeSlices> wedges;  // of a mesh with attributes; those of `input` are here then
 };
@@ -47,14 +51,25 @@ RankMemory memory_of(const RankInput& input, const DistributedConfig& config, Ra
   return {input, limit, config.build, ranks, scheduler.workers()};
 }
 
+std::unique_ptr<KeptBlocks> open_kept(const RankInput& input, const DistributedConfig& config, Ranks& ranks) {
+  const MeshStream& stream = *input.stream;
+  if (ranks.rank() == 0) remove_orphans(config.output);  // of the build that is continued
+  return std::make_unique<KeptBlocks>(
+      scratch_folder(config.output, config.limit.scratch),
+      build_identity({input.identity, stream.vertex_count(), stream.triangle_count(), stream.up()}, config.build,
+                     config.lattice, config.program),
+      ranks);
+}
+
 CleanInput read_clean(const OpenInput& open, const DistributedConfig& config, Hierarchy& head, Ranks& ranks,
                       Scheduler& scheduler) {
   CleanInput out;
-  auto& [input, memory, clean, wedges] = out;
+  auto& [input, memory, kept, clean, wedges] = out;
   ranks.begin("reading");
   input = open(ranks, scheduler);
   check(*input.stream);
   memory = memory_of(input, config, ranks, scheduler);
+  if (memory->resumes()) kept = open_kept(input, config, ranks);
   clean = distributed_clean(input, config.lattice, ranks, scheduler, memory->compared_items());
   if (input.surface) {
     head.materials = std::move(input.surface->materials);
@@ -167,11 +182,13 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   const std::unique_ptr<RankLevels> levels = stages.run("building", [&]() -> std::unique_ptr<RankLevels> {
     const BlockSetting setting{config.build, choice.owners, head.transform.lattice, head.attributes};
     if (stored)
-      return std::make_unique<StoredLevels>(std::move(stored), choice.level, setting, memory, ranks, scheduler);
+      return std::make_unique<StoredLevels>(std::move(stored), choice.level, setting,
+                                            StoredSetting{memory, read.kept.get()}, ranks, scheduler);
     return std::make_unique<RankLevelsInMemory>(
         build_rank_levels(std::move(finest.part), choice.level, setting, ranks, scheduler));
   });
   for (std::size_t l = 0; l < levels->level_count(); ++l) stages.report.cells += levels->codes(l).size();
+  if (read.kept) stages.report.blocks_resumed = read.kept->resumed();
   result.spilled = memory.spills();
   result.file_bytes = stages.run("writing", [&] {
     return save_ranks(
@@ -182,6 +199,7 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
         },
         ranks, scheduler);
   });
+  if (read.kept) read.kept->remove();
   result.ranks[static_cast<std::size_t>(ranks.rank())] = stages.report;
   return result;
 }

@@ -26,6 +26,7 @@ struct DistributedConfig {
   // Cells and triangles that do not fit are put into temporary files without names, which vanish however the build
   // ends: in the folder of the output if no other is given. Those of a mesh with attributes have to fit.
   RankLimit limit{};
+  std::string program{};  // version of the program: builds of another one are not continued
   // Called by all ranks at the start of each stage, with its name for people.
   std::function<void(const std::string&)> on_stage{};
   // Called by all ranks when the file is complete but for what rank 0 writes alone, for the caller's own messages:
@@ -42,8 +43,9 @@ struct RankStage {
 inline constexpr std::array<const char*, 5> distributed_stages{"clean", "route", "finest", "levels", "write"};
 
 struct RankReport {
-  std::uint64_t triangles = 0;  // of the finest level that the rank has
-  std::uint64_t cells = 0;      // of all levels
+  std::uint64_t triangles = 0;       // of the finest level that the rank has
+  std::uint64_t cells = 0;           // of all levels
+  std::uint64_t blocks_resumed = 0;  // done by an earlier, interrupted build
   std::array<RankStage, distributed_stages.size()> stages{};
   [[nodiscard]] RankStage total() const;
 };

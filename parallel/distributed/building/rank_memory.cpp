@@ -61,7 +61,7 @@ RankMemory::RankMemory(const RankInput& input, const RankLimit& limit, const Bui
   if (!spills_) return;
   if (wedges_ > 0) fail("attributes, which ranks do not put into temporary files, need", in_core_bytes());
   require_limit(build);
-  require_room(ranks);
+  if (!limit_.resume) require_room(ranks);  // else some of them may be there already
 }
 
 // Upper bounds of what was measured: 50 bytes a triangle of the own share, half a byte for each of all at rank 0.

@@ -14,6 +14,9 @@ namespace lodestone {
 struct RankLimit {
   std::uint64_t bytes = 0;          // that the process of a rank may have resident; 0: no limit
   std::filesystem::path scratch{};  // folder for temporary files, which have no names
+  // The blocks that are done are in files with names in a folder there (scratch_folder), which remain when the build is
+  // interrupted or fails, and are continued from, with any number of ranks.
+  bool resume = false;
   // Puts cells and triangles there whatever the limit, and has so many triangles or vertices in memory at a time where
   // it can choose; 0: as the limit allows.
   std::uint64_t part = 0;
@@ -27,6 +30,7 @@ class RankMemory {
   RankMemory(const RankInput& input, const RankLimit& limit, const BuildConfig& build, Ranks& ranks, int workers);
 
   [[nodiscard]] bool spills() const { return spills_; }
+  [[nodiscard]] bool resumes() const { return spills_ && limit_.resume; }
   [[nodiscard]] const std::filesystem::path& scratch() const { return limit_.scratch; }
 
   // Vertices or triangles of a slice that are compared at a time.

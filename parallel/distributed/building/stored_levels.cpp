@@ -21,6 +21,25 @@ class StoredLevelBlocks final : public CellStorage {
     cells_[level_].resize(part.codes.size());
     cells_[level_ - 1].resize(plan.levels[level_ - 1].codes.size());
     made_ = {plan.levels[level_ - 1].codes, std::vector<StoredCell>(cells_[level_ - 1].size())};
+    done_.resize(plan.blocks.size());
+    for (std::size_t b = 0; b < done_.size(); ++b) done_[b] = !is_here(plan.blocks[b]);
+  }
+
+  // Takes the blocks that are kept, which are not run again, and keeps those that run.
+  void keep(KeptBlocks& kept) {
+    kept_ = &kept;
+    for (std::size_t b = 0; b < done_.size(); ++b) {
+      if (done_[b]) continue;
+      const KeptBlock* block = kept.find(static_cast<int>(level_), first_child(plan_.blocks[b]));
+      if (!block || block->children.size() != children_of(plan_.blocks[b]) ||
+          block->parents.size() != plan_.blocks[b].parents.size())
+        continue;
+      auto child = block->children.begin();
+      for_children(plan_.blocks[b], [&](CellRank c) { part_.cells[c] = *child++; });
+      auto parent = block->parents.begin();
+      for (const CellRank p : plan_.blocks[b].parents) made_.cells[p] = *parent++;
+      done_[b] = true;
+    }
   }
 
   [[nodiscard]] std::vector<std::vector<CellBuild>>& in_memory() { return cells_; }
@@ -33,7 +52,7 @@ class StoredLevelBlocks final : public CellStorage {
     return largest;
   }
 
-  [[nodiscard]] bool is_done(std::uint32_t block) const override { return !is_here(plan_.blocks[block]); }
+  [[nodiscard]] bool is_done(std::uint32_t block) const override { return done_[block] != 0; }
   void load(const Block& block, std::size_t lane) override {
     if (!finest_)
       return for_children(block, [&](CellRank c) { store_.get_for_block(part_.cells[c], cells_[level_][c]); });
@@ -59,15 +78,30 @@ class StoredLevelBlocks final : public CellStorage {
       store_.put(cell, true, made_.cells[parent]);
       cell = {};
     }
+    if (kept_) kept_->record(static_cast<int>(level_), first_child(block), kept_form(block));
   }
 
  private:
+  [[nodiscard]] KeptBlock kept_form(const Block& block) const {
+    KeptBlock out;
+    for_children(block, [&](CellRank c) { out.children.push_back(part_.cells[c]); });
+    for (const CellRank parent : block.parents) out.parents.push_back(made_.cells[parent]);
+    return out;
+  }
+  [[nodiscard]] CellCode first_child(const Block& block) const {
+    return part_.codes[plan_.levels[level_ - 1].first_child[block.parents.front()]];
+  }
   [[nodiscard]] bool is_here(const Block& block) const { return static_cast<std::size_t>(block.level) == level_; }
   template <class Visit>
   void for_children(const Block& block, const Visit& visit) const {
     const LevelCells& parents = plan_.levels[level_ - 1];
     for (const CellRank parent : block.parents)
       for (CellRank c = parents.first_child[parent]; c < parents.first_child[parent + 1]; ++c) visit(c);
+  }
+  [[nodiscard]] std::size_t children_of(const Block& block) const {
+    std::size_t count = 0;
+    for_children(block, [&](CellRank) { ++count; });
+    return count;
   }
   [[nodiscard]] std::uint64_t triangles_of(const Block& block) const {
     std::uint64_t count = 0;
@@ -83,6 +117,8 @@ class StoredLevelBlocks final : public CellStorage {
   CellStore& store_;
   std::vector<std::vector<CellBuild>> cells_;  // by level; empty except for those of the blocks at hand
   StoredPart made_;                            // of the next coarser level
+  std::vector<std::uint8_t> done_;             // by block
+  KeptBlocks* kept_ = nullptr;
   std::vector<SpilledFinestScratch> scratch_;  // by lane
 };
 
@@ -104,11 +140,12 @@ StoredPart sorted(const StoredPart& part) {
 }  // namespace
 
 StoredLevels::StoredLevels(std::unique_ptr<StoredFinest> finest, int level, const BlockSetting& setting,
-                           const RankMemory& memory, Ranks& ranks, Scheduler& scheduler)
-    : memory_(memory),
-      file_(ScratchFile::nameless(memory.scratch())),
-      store_(*file_, {}),
+                           const StoredSetting& stored, Ranks& ranks, Scheduler& scheduler)
+    : stored_(stored),
+      nameless_(stored.kept ? nullptr : ScratchFile::nameless(stored.memory.scratch())),
+      store_(stored.kept ? stored.kept->cells() : *nameless_, {}),
       levels_(static_cast<std::size_t>(level) + 1) {
+  if (stored.kept) stored.kept->settle(setting.owners, ranks);
   levels_.back().codes = finest->cells().codes;
   levels_.back().cells.resize(levels_.back().codes.size());
   if (level == 0 && !levels_.back().codes.empty()) {  // no block
@@ -132,7 +169,8 @@ StoredPart StoredLevels::run_blocks(const StoredFinest* finest, int level, const
   if (part.codes.empty()) return {};
   const BlockPlan plan = plan_blocks(part.codes, level, grids_of(setting.config));
   StoredLevelBlocks blocks(plan, part, finest, store_, static_cast<std::size_t>(scheduler.workers()));
-  if (finest) lanes_ = memory_.lanes(finest->share_of(blocks.largest()));
+  if (stored_.kept) blocks.keep(*stored_.kept);
+  if (finest) lanes_ = stored_.memory.lanes(finest->share_of(blocks.largest()));
   BuildConfig config = setting.config;
   config.strategy = Strategy::levels;
   config.progress = [&](double share) { ranks.done(std::min(1.0, share * 4 / 3)); };  // as in rank_blocks.cpp
@@ -190,7 +228,7 @@ SharedBorder StoredLevels::border(std::size_t level, std::size_t index, BorderRo
 std::uint64_t StoredLevels::compared_copies(std::uint64_t copies) const {
   std::uint64_t cells = 0;
   for (const StoredPart& part : levels_) cells += part.codes.size();
-  return memory_.compared_copies(cells, copies);
+  return stored_.memory.compared_copies(cells, copies);
 }
 
 }  // namespace lodestone

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/files/scratch_file.h"
+#include "parallel/distributed/building/kept_blocks.h"
 #include "parallel/distributed/building/stored_finest.h"
 #include "parallel/distributed/rank_blocks.h"
 #include "parallel/distributed/rank_save.h"
@@ -20,12 +21,18 @@ struct StoredPart {
   std::vector<StoredCell> cells;
 };
 
+struct StoredSetting {
+  const RankMemory& memory;
+  KeptBlocks* kept = nullptr;
+};
+
 class StoredLevels final : public RankLevels {
  public:
-  // As build_rank_levels. Consumes the finest level, whose memory is released when its blocks have run. Memory: some
-  // 150 bytes per cell, and the blocks at hand.
-  StoredLevels(std::unique_ptr<StoredFinest> finest, int level, const BlockSetting& setting, const RankMemory& memory,
-               Ranks& ranks, Scheduler& scheduler);
+  // As build_rank_levels. Consumes the finest level, whose memory is released when its blocks have run. `kept`: has the
+  // cells, and some of the blocks already; null for files without names. Memory: some 150 bytes per cell (250 of blocks
+  // that are kept), and the blocks at hand.
+  StoredLevels(std::unique_ptr<StoredFinest> finest, int level, const BlockSetting& setting,
+               const StoredSetting& stored, Ranks& ranks, Scheduler& scheduler);
 
   [[nodiscard]] std::size_t level_count() const override { return levels_.size(); }
   [[nodiscard]] std::span<const CellCode> codes(std::size_t level) const override { return levels_[level].codes; }
@@ -39,8 +46,8 @@ class StoredLevels final : public RankLevels {
                                       Scheduler& scheduler);
   [[nodiscard]] StoredPart exchange(const StoredPart& made, int level, const CellOwners& owners, Ranks& ranks);
 
-  const RankMemory& memory_;
-  std::unique_ptr<ScratchFile> file_;
+  StoredSetting stored_;
+  std::unique_ptr<ScratchFile> nameless_;  // if none is kept
   CellStore store_;
   std::size_t lanes_ = 1;
   std::vector<StoredPart> levels_;
