@@ -17,8 +17,7 @@ Progress job_progress(std::string label, const CommonOptions& common, int rank) 
 
 std::vector<std::string> hosts_of(Ranks& ranks) {
   std::vector<std::string> hosts;
-  for (const std::vector<char>& host : ranks.gather_lists(std::vector<char>(ranks.host().begin(), ranks.host().end())))
-    hosts.emplace_back(host.begin(), host.end());
+  for (const std::vector<std::string>& host : ranks.gather_texts({ranks.host()})) hosts.push_back(host.front());
   return hosts;
 }
 

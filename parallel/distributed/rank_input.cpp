@@ -263,15 +263,10 @@ class InputParts {
 
   // Those of all ranks; each knows those of the parts that it has read.
   std::vector<std::string> gather_warnings() {
-    std::string own;
-    for (const Part& part : parts_)
-      for (const std::string& warning : part.mesh.warnings) own += warning + '\n';
-    for (const std::vector<char>& of_rank : ranks_.gather_lists(std::vector<char>(own.begin(), own.end())))
-      for (auto first = of_rank.begin(); first != of_rank.end();) {
-        const auto last = std::find(first, of_rank.end(), '\n');
-        warnings_.emplace_back(first, last);
-        first = last + 1;
-      }
+    std::vector<std::string> own;
+    for (const Part& part : parts_) own.insert(own.end(), part.mesh.warnings.begin(), part.mesh.warnings.end());
+    for (const std::vector<std::string>& of_rank : ranks_.gather_texts(own))
+      warnings_.insert(warnings_.end(), of_rank.begin(), of_rank.end());
     return std::move(warnings_);
   }
 

@@ -203,6 +203,21 @@ std::string Ranks::from_first(const std::string& text) {
   return {reinterpret_cast<const char*>(known.data()), known.size()};
 }
 
+std::vector<std::vector<std::string>> Ranks::gather_texts(const std::vector<std::string>& own) {
+  std::vector<char> ended;
+  for (const std::string& text : own) ended.insert(ended.end(), text.c_str(), text.c_str() + text.size() + 1);
+  std::vector<std::vector<std::string>> all;
+  for (const std::vector<char>& of_rank : gather_lists(ended)) {
+    std::vector<std::string>& texts = all.emplace_back();
+    for (auto first = of_rank.begin(); first != of_rank.end();) {
+      const auto last = std::find(first, of_rank.end(), '\0');
+      texts.emplace_back(first, last);
+      first = last == of_rank.end() ? last : last + 1;
+    }
+  }
+  return all;
+}
+
 std::uint64_t Ranks::sum(std::uint64_t value) {
   const std::vector<std::uint64_t> all = gather(value);
   return std::accumulate(all.begin(), all.end(), std::uint64_t{0});

@@ -75,6 +75,8 @@ class Ranks {
     const auto bytes = std::as_bytes(std::span(values));
     return items_of<Value>(gather_messages({bytes.begin(), bytes.end()}));
   }
+  // Texts of all ranks, by rank, without zero characters.
+  [[nodiscard]] std::vector<std::vector<std::string>> gather_texts(const std::vector<std::string>& own);
   [[nodiscard]] std::uint64_t sum(std::uint64_t value);  // modulo 2^64
   [[nodiscard]] std::uint64_t maximum(std::uint64_t value);
   [[nodiscard]] bool any(bool value) { return maximum(value) > 0; }

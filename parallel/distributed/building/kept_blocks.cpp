@@ -32,25 +32,6 @@ int rank_in(const std::string& name) {
   return rank;
 }
 
-// By rank: those that it has.
-std::vector<std::vector<std::string>> gather_names(const std::vector<std::string>& names, Ranks& ranks) {
-  std::vector<char> lines;
-  for (const std::string& name : names) {
-    lines.insert(lines.end(), name.begin(), name.end());
-    lines.push_back('\n');
-  }
-  std::vector<std::vector<std::string>> all;
-  for (const std::vector<char>& of_rank : ranks.gather_lists(lines)) {
-    std::vector<std::string>& list = all.emplace_back();
-    for (auto first = of_rank.begin(); first != of_rank.end();) {
-      const auto last = std::find(first, of_rank.end(), '\n');
-      list.emplace_back(first, last);
-      first = last + 1;
-    }
-  }
-  return all;
-}
-
 // Which rank takes the files of this name.
 int taker(const std::string& name, const std::vector<std::vector<std::string>>& seen) {
   const auto sees = [&](std::size_t rank) { return std::ranges::find(seen[rank], name) != seen[rank].end(); };
@@ -88,7 +69,7 @@ std::pair<std::pair<int, CellCode>, KeptBlock> get(ByteSource& in) {
 KeptBlocks::KeptBlocks(fs::path folder, std::span<const std::byte> identity, Ranks& ranks)
     : folder_(std::move(folder)) {
   create_scratch_folder(folder_);
-  const std::vector<std::vector<std::string>> seen = gather_names(list(), ranks);
+  const std::vector<std::vector<std::string>> seen = ranks.gather_texts(list());
   std::set<std::string> all;
   for (const std::vector<std::string>& of_rank : seen) all.insert(of_rank.begin(), of_rank.end());
   std::vector<std::string> taken;
@@ -101,7 +82,7 @@ KeptBlocks::KeptBlocks(fs::path folder, std::span<const std::byte> identity, Ran
     std::rotate(taken.begin(), own, own + 1);
   for (const std::string& name : taken) open(name, identity);
 
-  const std::vector<std::vector<std::string>> now = gather_names({taken.front()}, ranks);
+  const std::vector<std::vector<std::string>> now = ranks.gather_texts({taken.front()});
   first_removes_ = ranks.rank() > 0 && fs::exists(path_of(folder_, journal_prefix, now.front().front()));
 }
 

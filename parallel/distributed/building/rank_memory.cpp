@@ -104,8 +104,7 @@ void RankMemory::require_room(Ranks& ranks) const {
   const std::uint64_t need = 46 * triangles_ + 12 * vertices_, room = free_bytes(limit_.scratch);
   const std::string& own = ranks.host();
   std::uint64_t here = 0;  // ranks of this machine, which may have one disk
-  for (const std::vector<char>& host : ranks.gather_lists(std::vector<char>(own.begin(), own.end())))
-    here += std::ranges::equal(host, own);
+  for (const std::vector<std::string>& host : ranks.gather_texts({own})) here += host.front() == own;
   if (room < here * need)
     throw FileError(describe(limit_.scratch.string(), "",
                              "temporary files of " + std::to_string(here) + " ranks need about " +

@@ -57,8 +57,13 @@ TEST(Ranks, KnowWhatAllOthersKnow) {
       EXPECT_EQ(ranks.any(false), false);
       const std::string text(static_cast<std::size_t>(5 + ranks.rank()), static_cast<char>('a' + ranks.rank()));
       EXPECT_EQ(ranks.from_first(text), "aaaaa");
-      EXPECT_EQ(ranks.traffic().rounds, 6u);
-      EXPECT_TRUE(count != 8 || ranks.traffic().messages_sent <= 5 * 3 + 3);
+      const auto texts = [&](int rank) {
+        return std::vector(static_cast<std::size_t>(rank % 3), std::string(static_cast<std::size_t>(rank), 'x'));
+      };
+      const std::vector<std::vector<std::string>> all = ranks.gather_texts(texts(ranks.rank()));
+      for (int rank = 0; rank < count; ++rank) EXPECT_EQ(all.at(static_cast<std::size_t>(rank)), texts(rank));
+      EXPECT_EQ(ranks.traffic().rounds, 7u);
+      EXPECT_TRUE(count != 8 || ranks.traffic().messages_sent <= 6 * 3 + 3);
     });
 }
 
