@@ -155,7 +155,7 @@ FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, co
                         : config.finest_level;
   const int grid = grids.of(level);
   for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - grid);
-  return {level, grid, CellOwners(level, std::move(sample), ranks.count(), grids)};
+  return {level, grid, CellOwners(level, sample, ranks.count(), grids)};
 }
 
 RoutedMesh route_triangles(const MeshStream& stream, CleanSlices&& given, const FinestChoice& finest, Ranks& ranks) {
