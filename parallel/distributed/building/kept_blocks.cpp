@@ -32,16 +32,6 @@ int rank_in(const std::string& name) {
   return rank;
 }
 
-// Which rank takes the files of this name.
-int taker(const std::string& name, const std::vector<std::vector<std::string>>& seen) {
-  const auto sees = [&](std::size_t rank) { return std::ranges::find(seen[rank], name) != seen[rank].end(); };
-  const int same = rank_in(name);
-  if (same >= 0 && static_cast<std::size_t>(same) < seen.size() && sees(static_cast<std::size_t>(same))) return same;
-  for (std::size_t rank = 0; rank < seen.size(); ++rank)
-    if (sees(rank)) return static_cast<int>(rank);
-  return -1;
-}
-
 // Calls visit(offset, bytes) for the parts of the file that a block has.
 template <class Visit>
 void visit_parts(KeptBlock& block, const CellStore& store, const Visit& visit) {
@@ -69,21 +59,29 @@ std::pair<std::pair<int, CellCode>, KeptBlock> get(ByteSource& in) {
 KeptBlocks::KeptBlocks(fs::path folder, std::span<const std::byte> identity, Ranks& ranks)
     : folder_(std::move(folder)) {
   create_scratch_folder(folder_);
-  const std::vector<std::vector<std::string>> seen = ranks.gather_texts(list());
-  std::set<std::string> all;
-  for (const std::vector<std::string>& of_rank : seen) all.insert(of_rank.begin(), of_rank.end());
-  std::vector<std::string> taken;
-  for (const std::string& name : all)
-    if (taker(name, seen) == ranks.rank()) taken.push_back(name);
-  const auto own = std::ranges::find(taken, ranks.rank(), rank_in);
-  if (own == taken.end())
-    taken.insert(taken.begin(), new_name(ranks.rank()));
+  std::vector<std::string> names = taken(ranks);
+  const auto own = std::ranges::find(names, ranks.rank(), rank_in);
+  if (own == names.end())
+    names.insert(names.begin(), new_name(ranks.rank()));
   else
-    std::rotate(taken.begin(), own, own + 1);
-  for (const std::string& name : taken) open(name, identity);
+    std::rotate(names.begin(), own, own + 1);
+  for (const std::string& name : names) open(name, identity);
+  const std::string first = ranks.from_first(names.front());
+  first_removes_ = ranks.rank() > 0 && fs::exists(path_of(folder_, journal_prefix, first));
+}
 
-  const std::vector<std::vector<std::string>> now = ranks.gather_texts({taken.front()});
-  first_removes_ = ranks.rank() > 0 && fs::exists(path_of(folder_, journal_prefix, now.front().front()));
+// By their numbers if the ranks share a disk; of others each is taken by the first rank that sees it.
+std::vector<std::string> KeptBlocks::taken(Ranks& ranks) const {
+  std::vector<std::string> own, others;
+  for (const std::string& name : list()) (rank_in(name) % ranks.count() == ranks.rank() ? own : others).push_back(name);
+  std::set<std::string> known;
+  for (const std::vector<std::string>& of_rank : ranks.gather_texts(own)) known.insert(of_rank.begin(), of_rank.end());
+  std::erase_if(others, [&](const std::string& name) { return known.contains(name); });
+  const std::vector<std::vector<std::string>> seen = ranks.gather_texts(others);
+  for (std::size_t rank = 0; rank < seen.size(); ++rank)
+    for (const std::string& name : seen[rank])
+      if (known.insert(name).second && rank == static_cast<std::size_t>(ranks.rank())) own.push_back(name);
+  return own;
 }
 
 std::vector<std::string> KeptBlocks::list() const {

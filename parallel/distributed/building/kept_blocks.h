@@ -26,8 +26,7 @@ struct KeptBlock {
 };
 
 // Each rank has a file of cells and a journal, named by the rank and by chance. The next build finds those that are
-// there: each is taken by the rank of the same number if this sees it, otherwise by the first one that does, so that
-// machines may share a disk or have one each.
+// there: each is taken by one rank that sees it, so that machines may share a disk or have one each.
 class KeptBlocks {
  public:
   // Called by all ranks. Throws InputError where the folder has the files of another build, ResourceError where such a
@@ -59,6 +58,7 @@ class KeptBlocks {
   };
 
   [[nodiscard]] std::vector<std::string> list() const;
+  [[nodiscard]] std::vector<std::string> taken(Ranks& ranks) const;
   void open(const std::string& name, std::span<const std::byte> identity);
   void send(const Files& from, const Key& key, KeptBlock block, Message& message) const;
   void receive(const Message& message);
