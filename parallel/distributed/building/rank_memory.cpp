@@ -29,7 +29,7 @@ constexpr std::uint64_t met_copy_bytes = 110;  // while it is compared
 constexpr std::uint64_t outer_bytes = 150;     // by vertex of several ranks, while their sums are added up
 constexpr std::uint64_t welded_bytes = 100;    // by wedge of a rank, beside what it has read
 constexpr std::uint64_t seam_bytes = 280;      // by wedge that a vertex has more than one: few vanish in coarser levels
-constexpr std::uint64_t table_bytes = 1000;    // by cell of the whole model, at rank 0
+constexpr std::uint64_t table_bytes = 500;     // by cell of the whole model, at rank 0
 
 std::uint64_t least_part(std::uint64_t triangles) {
   return std::min(triangles, std::max(std::uint64_t{1} << 18, triangles / most_parts));
@@ -151,7 +151,9 @@ std::uint64_t RankMemory::compared_copies(std::uint64_t cells, std::uint64_t cop
   if (limit_.part > 0) return limit_.part;
   const std::uint64_t ranks = all_triangles_ / std::max<std::uint64_t>(triangles_, 1) + 1;
   const std::uint64_t tables = table_bytes * cells * ranks + all_triangles_ / 7;  // at rank 0
-  return std::max(left(cell_bytes * cells + tables + copy_bytes * copies) / met_copy_bytes, fewest_items);
+  // Each part reads all borders again; there is room for this one (stored_bytes).
+  const std::uint64_t fewest = std::max(copies / most_parts, fewest_items);
+  return std::max(left(cell_bytes * cells + tables + copy_bytes * copies) / met_copy_bytes, fewest);
 }
 
 }  // namespace lodestone
