@@ -152,6 +152,15 @@ TEST_F(LimitOfRanks, RefusesBlocksWithoutRoom) {
       });
 }
 
+// Each turn reads all borders again.
+TEST_F(LimitOfRanks, ComparesBordersInFewTurns) {
+  constexpr std::uint64_t cells = 200'000, copies = 17'000'000;  // of a rank
+  with_memory("sphere:1e9", 8, {.bytes = 2048 * mebibyte, .scratch = folder_, .resume = true},
+              [](const RankMemory& memory) { EXPECT_GE(memory.compared_copies(cells, copies), copies / 8); });
+  with_memory("sphere:1e9", 8, {.bytes = 2048 * mebibyte, .scratch = folder_, .resume = true},
+              [](const RankMemory& memory) { EXPECT_GE(memory.compared_copies(10 * cells, copies), copies / 32); });
+}
+
 TEST(NumberSet, GivesThePlacesOfItsNumbers) {
   NumberSet set(100'000);
   std::set<std::uint32_t> expected{0, 63, 64, 511, 512, 99'999};
