@@ -67,8 +67,13 @@ std::size_t InputFile::read_at(std::uint64_t offset, std::span<char> bytes) cons
 
 std::uint64_t file_identity(const std::filesystem::path& path) {
   constexpr std::size_t samples = 64, sample_bytes = 4096;
-  const InputFile file(path);
   std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    std::uint64_t sum = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) sum += file_identity(entry.path());
+    return sum;
+  }
+  const InputFile file(path);
   std::vector<std::uint64_t> sums{
       file.size(),
       static_cast<std::uint64_t>(std::filesystem::last_write_time(path, ignored).time_since_epoch().count())};

@@ -33,7 +33,8 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-// Equal for a file that has not changed, by its size, its time and samples of its bytes. Throws as InputFile does.
+// Equal for a file that has not changed, by its size, its time and samples of its bytes, and for a folder of such
+// files. Throws as InputFile does.
 [[nodiscard]] std::uint64_t file_identity(const std::filesystem::path& path);
 
 class MappedFile {

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/files/input_file.h"
 #include "parallel/mesh/mesh_stream.h"
 
 namespace lodestone {
@@ -15,6 +17,7 @@ namespace lodestone {
 struct HeldFigures {
   std::uint64_t vertices = 0, triangles = 0;  // of the whole mesh
   Up up{};
+  std::filesystem::path source{};  // file or folder that it was read from
 };
 
 // Reads nothing but [first, first + size) of both kinds.
@@ -30,6 +33,7 @@ class HeldStream final : public MeshStream {
       : name_(std::move(name)), held_vertices_(std::move(vertices)), held_triangles_(std::move(triangles)) {
     vertices_ = figures.vertices, triangles_ = figures.triangles;
     up_ = figures.up;
+    source_ = figures.source;
   }
   [[nodiscard]] const std::string& name() const override { return name_; }
   void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* /*wedges*/) const override {
@@ -38,7 +42,7 @@ class HeldStream final : public MeshStream {
   void read_triangles(std::uint64_t first, std::span<Triangle> out) const override {
     read(held_triangles_, first, out);
   }
-  [[nodiscard]] std::uint64_t identity() const override { return 0; }
+  [[nodiscard]] std::uint64_t identity() const override { return source_.empty() ? 0 : file_identity(source_); }
 
  private:
   template <class Item>
@@ -47,6 +51,7 @@ class HeldStream final : public MeshStream {
   }
 
   std::string name_;
+  std::filesystem::path source_;
   Part<Vec3d> held_vertices_;
   Part<Triangle> held_triangles_;
 };

@@ -9,7 +9,6 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
-#include "core/files/input_file.h"
 #include "core/formats/mesh_reader.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
@@ -67,14 +66,6 @@ std::uint64_t bytes_of(const fs::path& path) {
   return sum;
 }
 
-std::uint64_t identity_of(const fs::path& path) {
-  std::error_code failed;
-  if (!fs::is_directory(path, failed)) return file_identity(path);
-  std::uint64_t sum = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path, failed)) sum += identity_of(entry.path());
-  return sum;
-}
-
 class InputParts {
  public:
   InputParts(std::span<const fs::path> files, const ReadConfig& config, Ranks& ranks, Scheduler& scheduler)
@@ -100,7 +91,6 @@ class InputParts {
     input.vertices = slices(&PartFigures::vertices);
     input.triangles = slices(&PartFigures::triangles);
     input.warnings = gather_warnings();
-    input.identity = ranks_.gather(ranks_.rank() == 0 ? identity() : 0).front();  // machines may differ in times
     for (const Part& part : parts_) {
       input.reading.polygons_triangulated += part.figures.polygons_triangulated;
       input.reading.faces_dropped += part.figures.faces_dropped;
@@ -115,13 +105,6 @@ class InputParts {
   }
 
  private:
-  [[nodiscard]] std::uint64_t identity() const {
-    std::vector<std::uint64_t> all;
-    for (const Part& part : parts_)
-      all.push_back(identity_of(part.tile ? part.tile->file : mesh_path(files_[part.file])));
-    return checksum(std::as_bytes(std::span(all)));
-  }
-
   // Those of this rank of the parts that `takes`.
   template <class Takes>
   void read_wholes(const Takes& takes) {
@@ -151,7 +134,8 @@ class InputParts {
     std::vector<std::unique_ptr<MeshStream>> streams;
     for (Part& part : parts_) {
       input.held_bytes += shape_bytes(part.mesh);
-      if (!part.stream) part.stream = held(files_[part.file].string(), part.figures, std::move(part.mesh), 0, 0);
+      if (!part.stream)
+        part.stream = held(files_[part.file].string(), part.figures, std::move(part.mesh), source_of(part), {0, 0});
       streams.push_back(std::move(part.stream));
     }
     input.stream = join_streams(std::move(streams), name_of_files(files_));
@@ -177,14 +161,22 @@ class InputParts {
     const std::uint64_t first = input.vertices.begin(ranks_.rank());
     for (Triangle& t : own.triangles)
       for (std::uint32_t& v : t.v) v += static_cast<std::uint32_t>(first);
-    input.stream = held(name, all, std::move(own), first, input.triangles.begin(ranks_.rank()));
+    input.stream = held(name, all, std::move(own), {}, {first, input.triangles.begin(ranks_.rank())});
   }
 
-  static std::unique_ptr<MeshStream> held(std::string name, const PartFigures& figures, RawMesh&& mesh,
-                                          std::uint64_t first_vertex, std::uint64_t first_triangle) {
-    return std::make_unique<HeldStream>(std::move(name), HeldFigures{figures.vertices, figures.triangles, figures.up},
-                                        HeldStream::Part<Vec3d>{first_vertex, std::move(mesh.positions)},
-                                        HeldStream::Part<Triangle>{first_triangle, std::move(mesh.triangles)});
+  [[nodiscard]] fs::path source_of(const Part& part) const {
+    return part.tile ? part.tile->file : mesh_path(files_[part.file]);
+  }
+
+  struct First {
+    std::uint64_t vertex, triangle;
+  };
+  static std::unique_ptr<MeshStream> held(std::string name, const PartFigures& figures, RawMesh&& mesh, fs::path source,
+                                          First first = {}) {
+    return std::make_unique<HeldStream>(std::move(name),
+                                        HeldFigures{figures.vertices, figures.triangles, figures.up, std::move(source)},
+                                        HeldStream::Part<Vec3d>{first.vertex, std::move(mesh.positions)},
+                                        HeldStream::Part<Triangle>{first.triangle, std::move(mesh.triangles)});
   }
 
   void list_parts(std::size_t file) {
@@ -320,7 +312,6 @@ RankInput shared_out(std::shared_ptr<const MeshStream> stream, int ranks) {
   input.vertices = Slices(input.stream->vertex_count(), ranks);
   input.triangles = Slices(input.stream->triangle_count(), ranks);
   input.warnings = input.stream->warnings();
-  input.identity = input.stream->identity();
   return input;
 }
 

@@ -23,7 +23,6 @@ struct RankInput {
   Slices vertices, triangles;
   Repairs reading{};  // of the readers, of all ranks
   std::vector<std::string> warnings{};
-  std::uint64_t identity = 0;            // of the whole input, as MeshStream::identity: the same at all ranks
   std::uint64_t held_bytes = 0;          // memory of the files that this rank has as wholes
   std::optional<RankSurface> surface{};  // if any file has attributes that the configuration asks for
 };

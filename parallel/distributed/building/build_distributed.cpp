@@ -54,9 +54,11 @@ RankMemory memory_of(const RankInput& input, const DistributedConfig& config, Ra
 std::unique_ptr<KeptBlocks> open_kept(const RankInput& input, const DistributedConfig& config, Ranks& ranks) {
   const MeshStream& stream = *input.stream;
   if (ranks.rank() == 0) remove_orphans(config.output);  // of the build that is continued
+  // Machines may differ in the times of files.
+  const std::uint64_t content = ranks.gather(ranks.rank() == 0 ? stream.identity() : 0).front();
   return std::make_unique<KeptBlocks>(
       scratch_folder(config.output, config.limit.scratch),
-      build_identity({input.identity, stream.vertex_count(), stream.triangle_count(), stream.up()}, config.build,
+      build_identity({content, stream.vertex_count(), stream.triangle_count(), stream.up()}, config.build,
                      config.lattice, config.program),
       ranks);
 }
