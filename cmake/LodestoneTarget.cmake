@@ -22,6 +22,9 @@ function(lodestone_properties target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
+  # Clang compares names with those of other files of a merged object, and warns of vectors that no library passes on.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:Clang>:-Wno-psabi>
+                                           $<$<AND:$<CXX_COMPILER_ID:Clang>,$<BOOL:${LODESTONE_MERGE}>>:-Wno-shadow>)
   target_compile_options(${target} PUBLIC -ffp-contract=off)
   if(LODESTONE_SANITIZE)
     target_compile_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${LODESTONE_SANITIZE}>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "core/base/error.h"
@@ -12,8 +13,8 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t grain = 8192;
-constexpr double sphere_area = 12.566370614359172;
+constexpr std::size_t area_grain = 8192;
+constexpr double sphere_area = 4 * std::numbers::pi;
 
 struct Effort {
   std::string_view name;
@@ -54,8 +55,8 @@ std::vector<Vec3d> scaled_surface(std::span<const Vec3d> positions, std::span<co
 
 spherical::SphereSums measure(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                               std::span<const Vec3d> directions, Scheduler& scheduler) {
-  std::vector<spherical::SphereSums> parts(chunk_count(triangles.size(), grain));
-  scheduler.for_chunks(triangles.size(), grain, [&](ChunkRange c) {
+  std::vector<spherical::SphereSums> parts(chunk_count(triangles.size(), area_grain));
+  scheduler.for_chunks(triangles.size(), area_grain, [&](ChunkRange c) {
     parts[c.index] = spherical::measure_sphere_map(positions, triangles.subspan(c.begin, c.end - c.begin), directions);
   });
   spherical::SphereSums sums;

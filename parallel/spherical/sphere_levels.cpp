@@ -1,6 +1,7 @@
 #include "parallel/spherical/sphere_levels.h"
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -51,12 +52,11 @@ void SphereLevels::in_chunks(std::size_t count, std::size_t grain, const Body& b
 }
 
 bool SphereLevels::run(const spherical::SplitSchedule& schedule, std::span<const Id> base) {
-  constexpr double sphere_area = 12.566370614359172;
   spherical::place_tetrahedron(rings_, base, directions_);
   for (std::size_t k = 0; k < base.size(); ++k) colours_[base[k]] = static_cast<std::uint8_t>(k);
   for (std::size_t level = 0; level + 1 < schedule.levels.size(); ++level) {
     const std::size_t vertices = 4 + schedule.waves[schedule.levels[level + 1]];
-    state_.least_area = config_.least_area * sphere_area / static_cast<double>(2 * vertices - 4);
+    state_.least_area = config_.least_area * (4 * std::numbers::pi) / static_cast<double>(2 * vertices - 4);
     alone_ = scheduler_.workers() == 1 || vertices < few_vertices;
     split(schedule, level);
     if (failed_) return false;

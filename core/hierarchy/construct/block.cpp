@@ -284,7 +284,7 @@ class BlockBuilder {
       const Triangle image{{parents[t.v[0]], parents[t.v[1]], parents[t.v[2]]}};
       to[kept] = image;
       const auto& v = wedges ? by_vertex(image).v : image.v;
-      kept += (v[0] != v[1]) & (v[1] != v[2]) & (v[2] != v[0]);
+      kept += std::size_t{v[0] != v[1]} & std::size_t{v[1] != v[2]} & std::size_t{v[2] != v[0]};
     }
     return kept;
   }

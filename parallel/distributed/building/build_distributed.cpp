@@ -159,7 +159,7 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
   result.warnings = std::move(input.warnings);
 
   std::unique_ptr<StoredFinest> stored;  // if the rank does not keep its cells in memory
-  auto [choice, routed] = stages.run("sorting", [&] {
+  std::pair sorted = stages.run("sorting", [&] {
     FinestChoice chosen = choose_cells(*input.stream, read.clean, config.build, ranks);
     RoutedMesh mesh;
     if (memory.spills())
@@ -170,13 +170,14 @@ DistributedResult build_distributed(const OpenInput& open, const DistributedConf
     if (read.wedges) attach_wedges(*std::exchange(read.wedges, {}), mesh, ranks);
     return std::pair(std::move(chosen), std::move(mesh));
   });
+  const FinestChoice& choice = sorted.first;  // names of their own: clang 14 lets no closure use parts of a binding
   RankFinest finest = stages.run("sharing", [&] {
     ranks.begin("sharing");
     RankFinest made;
     if (stored)
       stored->share(choice, config.build.sigma0, ranks, scheduler);
     else
-      made = make_rank_finest(std::move(routed), choice.grid, config.build.sigma0, ranks, scheduler);
+      made = make_rank_finest(std::move(sorted.second), choice.grid, config.build.sigma0, ranks, scheduler);
     head.provenance.fingerprint = ranks.sum(stored ? stored->cells().fingerprint : made.fingerprint);
     return made;
   });

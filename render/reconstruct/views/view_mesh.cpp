@@ -98,8 +98,8 @@ std::uint8_t cell_of(const Corner& p, const Corner& q, const Corner& r, const Co
   if (pq + rs + pr + qs < 2) return 0;
   const bool ps = links.ps & are_connected(p, s, 1, 1), qr = links.qr & are_connected(q, r, -1, 1);
   constexpr unsigned prs = cell_prs, psq = cell_psq, prq = cell_prq, rsq = cell_rsq;
-  const unsigned first = (pr & rs & ps ? prs : 0u) | (ps & qs & pq ? psq : 0u);
-  const unsigned second = (pr & qr & pq ? prq : 0u) | (rs & qs & qr ? rsq : 0u);
+  const unsigned first = ((pr & rs & ps) ? prs : 0u) | ((ps & qs & pq) ? psq : 0u);
+  const unsigned second = ((pr & qr & pq) ? prq : 0u) | ((rs & qs & qr) ? rsq : 0u);
   const auto triangles = [](unsigned bits) { return (bits & (bits - 1)) != 0 ? 2 : bits != 0 ? 1 : 0; };
   unsigned cell = first;
   if (triangles(first) != triangles(second))
