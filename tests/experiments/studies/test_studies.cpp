@@ -158,6 +158,8 @@ TEST_P(EachStudy, HasItsColumnsVerifiesAndRefusesWrongRows) {
   all.push_back({"no_such_column", 1});
   all.push_back({find_experiment(name).columns.front().name, {1, 2}});
   for (const auto& [column, value] : all) {
+    // Compared between numbers of workers, of which a build without oneTBB has one.
+    if (name == "scaling" && column == "hash" && rows.size() == 1) continue;
     std::vector<Row> tampered = rows;
     tampered.back()[column] = value;
     EXPECT_NE(joined(faults(name, given, tampered)), "") << column << " = " << value.dump();

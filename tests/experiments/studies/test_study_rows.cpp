@@ -2,16 +2,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
 #include "experiments/studies/experiment.h"
 #include "parallel/scheduler/processors.h"
+#include "parallel/scheduler/scheduler.h"
 #include "tests/experiments/studies/study_case.h"
 
 namespace lodestone {
 namespace {
+
+// As many as the scheduler has of `threads`: one in a build without oneTBB.
+std::size_t workers_of(int threads) { return static_cast<std::size_t>(make_tbb_scheduler(threads)->workers()); }
 
 TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
   for (const char* task : {"build", "raster", "reconstruct", "progressive"})
@@ -25,17 +28,17 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
                                        {"width", 32},
                                        {"height", 32}});
       const std::vector<Row> rows = rows_of("scaling", given);
-      ASSERT_EQ(rows.size(), 3u) << task;
-      EXPECT_EQ(rows[0].at("workers"), 1);
-      EXPECT_EQ(rows[1].at("workers"), 2);
-      EXPECT_EQ(rows[2].at("workers"), 3);
+      ASSERT_EQ(rows.size(), workers_of(3)) << task;
+      for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i].at("workers"), i + 1);
       EXPECT_EQ(joined(faults("scaling", given, rows)), "") << task << ' ' << mode;
       for (const Row& row : rows)
         EXPECT_EQ(number(row, "processors"),
                   std::min(number(row, "workers"), static_cast<double>(allowed_processors().size())));
       const bool weak = std::string(mode) == "weak";
-      EXPECT_EQ(weak, number(rows[2], "work") > 2 * number(rows[0], "work")) << task << ' ' << mode;
-      EXPECT_EQ(weak, rows[2].at("karp_flatt").is_null());
+      const Row& last = rows.back();
+      const bool several = rows.size() > 1;
+      EXPECT_EQ(weak && several, number(last, "work") > 2 * number(rows[0], "work")) << task << ' ' << mode;
+      EXPECT_EQ(weak || !several, last.at("karp_flatt").is_null());
     }
 }
 
@@ -43,12 +46,14 @@ TEST_F(Studies, VirtualWorkersComeAfterThoseThatAreMeasured) {
   const Row given = with(shallow, {{"threads", 2}, {"rounds", 1}, {"array", 1}, {"virtual_workers", 16}});
   generate_ply({Shape::sphere, 50'000, 1}, sphere_, *make_serial_scheduler());  // large enough to have a longest step
   const std::vector<Row> rows = rows_of("schedule", given);
-  ASSERT_EQ(rows.size(), 4u);
+  std::vector<std::size_t> expected{1, 4, 16};
+  if (workers_of(2) == 2) expected.insert(expected.begin() + 1, 2);
+  ASSERT_EQ(rows.size(), expected.size());
   // The slowdown of jobs beside each other is measured, and depends on what else the machine has to do.
   const auto undisturbed = [&](std::size_t i) { return number(rows[i], "speedup") * number(rows[i], "slowdown"); };
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    EXPECT_EQ(number(rows[i], "workers"), (std::array{1, 2, 4, 16}[i]));
-    EXPECT_EQ(rows[i].at("measured").is_null(), i >= 2);
+    EXPECT_EQ(number(rows[i], "workers"), expected[i]);
+    EXPECT_EQ(rows[i].at("measured").is_null(), expected[i] > workers_of(2));
     EXPECT_GE(undisturbed(i), i == 0 ? 0.999 : undisturbed(i - 1) * 0.9);
     EXPECT_LE(number(rows[i], "speedup"), number(rows[i], "parallelism") * (1 + 1e-9));
   }
@@ -73,7 +78,7 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   const std::string large = (folder_ / "large.ply").string();
   generate_ply({Shape::sphere, 2'500'000, 1}, large, *make_serial_scheduler());
   const Experiment& experiment = find_experiment("table");
-  const Parameters parameters(experiment.parameters, {{"memory_limit", 0.135}, {"threads", 2}});
+  const Parameters parameters(experiment.parameters, {{"memory_limit", 0.12}, {"threads", 2}});
   RunContext context;
   context.input = large;
   context.directory = folder_.string();
