@@ -1,6 +1,7 @@
 // Several threads find what one finds, on hierarchies that are right and on those that are wrong.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <new>
 #include <string>
 
@@ -49,7 +50,8 @@ TEST(VerifyThreads, SayWhatOneSays) {
     h.signatures = std::make_shared<const Signatures>(find_signatures(h));
     expect_same(h, nullptr, {2, 5}, what + " with signatures");
     Signatures::Table table = h.signatures->table();
-    std::ranges::rotate(table.places, table.places.begin() + static_cast<std::ptrdiff_t>(table.places.size() / 2));
+    std::rotate(table.places.begin(), table.places.begin() + static_cast<std::ptrdiff_t>(table.places.size() / 2),
+                table.places.end());
     for (float& error : table.errors) error /= 2;
     if (Signatures::fault(h, table)) continue;
     h.signatures = std::make_shared<const Signatures>(h, std::move(table));
