@@ -99,10 +99,10 @@ TEST(GltfMaterials, BlendAndOpaque) {
 
 TEST(GltfMaterials, OtherFeaturesAreNamed) {
   GltfFile file = file_with({{"extensions", {{"EXT_other", json::object()}}}});
-  file.json["animations"] = {json::object()};
+  file.push("animations", json::object());
   file.json["cameras"] = {json::object(), json::object()};
-  file.json["extensions"] = {{"KHR_lights_punctual", {{"lights", {json::object()}}}},
-                             {"KHR_materials_variants", {{"variants", {{{"name", "a"}}}}}}};
+  file.json["extensions"] = {{"KHR_lights_punctual", {{"lights", json::array({json::object()})}}},
+                             {"KHR_materials_variants", {{"variants", json::array({{{"name", "a"}}})}}}};
   const RawMesh mesh = read_bytes(file.glb(), gltf);
   for (const char* what : {"1 materials use EXT_other", "1 animations", "2 cameras", "1 lights", "1 variants"})
     expect_warning(mesh, {"file: ", what, "left out"});

@@ -180,7 +180,7 @@ TEST(Gltf, QuantizedValuesAndTextureTransforms) {
   file.json["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_texture_transform"};
   const std::size_t position = file.accessor(std::vector<std::int16_t>{0, 0, 0, 100, 0, 0, 0, -100, 0}, 5122, "VEC3");
   const std::size_t uv = file.accessor(std::vector<std::uint16_t>{0, 0, 65535, 0, 0, 65535}, 5123, "VEC2", true);
-  file.json["textures"] = {nlohmann::json::object()};
+  file.push("textures", nlohmann::json::object());
   const nlohmann::json transform = {
       {"offset", {0.5, 0.25}}, {"scale", {2, 4}}, {"rotation", std::acos(-1.0) / 2}, {"texCoord", 1}};
   file.json["materials"] = {
