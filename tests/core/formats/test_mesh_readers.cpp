@@ -315,8 +315,8 @@ TEST(MeshFile, FilesOfOtherProgramsAreNamed) {
   refused("a.stl", "Kaydara FBX Binary  ", "FBX");
   refused("a.obj", "PK\3\4", "ZIP");
   const std::string whole = binary_stl("LASF, but a header may say anything", 2, 2);
-  ByteReader stl({whole.data(), whole.size()}, "a.stl");
-  EXPECT_EQ(mesh_format("a.stl", stl), MeshFormat::stl);
+  ByteReader facets({whole.data(), whole.size()}, "a.stl");
+  EXPECT_EQ(mesh_format("a.stl", facets), MeshFormat::stl);
   const std::string_view text = "v 0 0 0\nv 1 0 0\n";
   ByteReader input({text.data(), text.size()}, "points.xyz");
   EXPECT_EQ(mesh_format("points.xyz", input), MeshFormat::obj);

@@ -162,8 +162,8 @@ TEST(Redraw, NormalsPointTheSameWay) {
     for (const RedrawTriangle& t : triangles) {
       const auto middle = [&](float Vec2f::*axis) { return (t.to[0].*axis + t.to[1].*axis + t.to[2].*axis) / 3; };
       const auto [width, height] = drawn->image.size;
-      const std::size_t pixel = static_cast<std::size_t>(middle(&Vec2f::y) * height) * width +
-                                static_cast<std::size_t>(middle(&Vec2f::x) * width);
+      const std::size_t pixel = static_cast<std::size_t>(middle(&Vec2f::y) * static_cast<float>(height)) * width +
+                                static_cast<std::size_t>(middle(&Vec2f::x) * static_cast<float>(width));
       const auto component = [&](std::size_t c) { return drawn->image.pixels[3 * pixel + c] / 127.5f - 1; };
       const Vec3f found = in_space(t, t.to, {component(0), component(1), component(2)});
       EXPECT_LT(length(found - in_space(t, t.from, leaning)), 0.02f);

@@ -122,8 +122,9 @@ TEST(Culling, OfRunsChangesNoPicture) {
     const Drawn occluded = fly(flight, *renderer, Hidden::runs_left_out, nullptr, &runs);
     expect_same(all, occluded, flight.name + ", occlusion");
     EXPECT_LE(triangles(culled), triangles(all)) << flight.name;
-    if (flight.name == "scan fly-in" || flight.name == "land fly-in")
+    if (flight.name == "scan fly-in" || flight.name == "land fly-in") {
       EXPECT_LT(triangles(culled), 0.95 * static_cast<double>(triangles(all))) << flight.name;
+    }
     // The null backend counts what the others draw.
     EXPECT_EQ(triangles(fly(flight, *make_renderer("null", *scheduler), Hidden::drawn, nullptr, &runs)),
               triangles(culled));
