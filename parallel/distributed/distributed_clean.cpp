@@ -1,9 +1,12 @@
 // Vertices and triangles remain in the slices of the ranks that read them. What a triangle needs to know of its corners
 // it asks the ranks that have them, piece by piece. Equal vertices, and equal triangles, meet at a rank that follows
-// from their bits.
+// from their bits; those that cannot equal any of another rank, which are most where the input has an order, at their
+// own.
 #include "parallel/distributed/distributed_clean.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
@@ -27,6 +30,59 @@ struct TriangleItem {
 
 using NumberRepeat = Repeat<std::uint32_t>;
 
+// Places near which several ranks have vertices. Each rank tells which cells of a grid it has vertices in, by hashes.
+class SharedPlaces {
+ public:
+  // Memory: two bits per vertex of all ranks, up to 16 MiB, and about three bytes per vertex of a share until it is
+  // there.
+  SharedPlaces(std::span<const Vec3f> positions, std::span<const VertexState> states, std::uint64_t all_vertices,
+               Ranks& ranks)
+      : places_(std::clamp<std::uint64_t>(all_vertices, 1, most_places)),
+        side_(static_cast<float>(std::sqrt(static_cast<double>(places_) / places_in_square))) {
+    if (ranks.count() == 1) return;
+    BitSet own(places_);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      if (states[i] == VertexState::used) own.set(place(positions[i]));
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t p = 0; p < places_; ++p)
+      if (own[p]) numbers.push_back(p);
+    const std::vector<std::uint8_t> others = asked_by_others(Slices(places_, ranks.count()), numbers, ranks);
+    shared_.emplace(places_);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (others[i]) shared_->set(numbers[i]);
+  }
+  // False only if no other rank has a vertex in use there.
+  [[nodiscard]] bool contains(const Vec3f& position) const { return shared_ && (*shared_)[place(position)]; }
+
+ private:
+  // A sphere in the unit cube has vertices in a quarter of as many cells as there are places.
+  static constexpr double places_in_square = 20;
+  static constexpr std::uint64_t most_places = std::uint64_t{1} << 26;
+
+  [[nodiscard]] std::uint64_t place(const Vec3f& p) const {
+    const Vec3f cell{std::floor(p.x * side_), std::floor(p.y * side_), std::floor(p.z * side_)};
+    return ((hash_of(cell) >> 32) * places_) >> 32;
+  }
+
+  std::uint64_t places_;          // cells are numbered by their hash
+  float side_;                    // of the cube in cells
+  std::optional<BitSet> shared_;  // of several ranks
+};
+
+// By whom a vertex is used.
+class Users {
+ public:
+  void add(int rank) {
+    const auto user = static_cast<std::uint16_t>(std::min(rank + 1, int{several}));
+    only_ = only_ == none || only_ == user ? user : several;
+  }
+  [[nodiscard]] bool others_than(int rank) const { return only_ == several || only_ != rank + 1; }
+
+ private:
+  static constexpr std::uint16_t none = 0, several = 0xffff;
+  std::uint16_t only_ = none;  // or a rank, plus 1; ranks of higher numbers count as several
+};
+
 class DistributedCleaning {
  public:
   DistributedCleaning(const RankInput& input, std::uint64_t most_items, Ranks& ranks, Scheduler& scheduler)
@@ -41,6 +97,7 @@ class DistributedCleaning {
     out_.dropped = BitSet(own_triangles_);
     out_.transform.up = stream_.up();
     states_.resize(own_vertices_);
+    users_.resize(own_vertices_);
   }
 
   void drop_non_finite_triangles() {
@@ -92,8 +149,9 @@ class DistributedCleaning {
   }
 
   void weld_vertices() {
+    const SharedPlaces shared(out_.positions, states_, out_.vertices.total(), ranks_);
     const std::uint64_t turns = turns_of(out_.vertices);
-    for (std::uint64_t turn = 0; turn < turns; ++turn) weld_vertices(turn, turns);
+    for (std::uint64_t turn = 0; turn < turns; ++turn) weld_vertices(shared, turn, turns);
   }
 
   // Then the vertices in use are those of the triangles that are left.
@@ -101,6 +159,7 @@ class DistributedCleaning {
     if (out_.repairs.welded_vertices + out_.repairs.degenerate_triangles + out_.repairs.non_finite_triangles == 0)
       return;
     std::ranges::fill(states_, VertexState::unused);
+    std::ranges::fill(users_, Users());
     std::uint64_t degenerate = 0;
     visit_welded(
         [&](std::uint64_t at, const PieceCorners& corners, std::span<const std::uint32_t> become, std::size_t count) {
@@ -122,8 +181,8 @@ class DistributedCleaning {
       require_survivors({}, out_.repairs, stream_.name());
   }
 
-  // Equal triangles meet at the owner of one of their vertices, picked by all three: near the rank of the triangle
-  // where the input has an order, and spread evenly where it has none.
+  // Equal triangles that several ranks may have meet at the owner of one of their vertices, picked by all three: near
+  // the rank of the triangle where the input has an order, and spread evenly where it has none.
   void drop_duplicate_triangles() {
     const std::uint64_t turns = turns_of(out_.triangles);
     for (std::uint64_t turn = 0; turn < turns; ++turn) drop_duplicate_triangles(turn, turns);
@@ -166,7 +225,7 @@ class DistributedCleaning {
   }
 
   // Equal positions meet at the rank of their hash. -0 and NaN do not occur any more.
-  void weld_vertices(std::uint64_t turn, std::uint64_t turns) {
+  void weld_vertices(const SharedPlaces& shared, std::uint64_t turn, std::uint64_t turns) {
     std::vector<WeldItem> items;
     items.reserve((own_vertices_ + own_vertices_ / 16) / turns);  // growing would take it twice
     exchange_in_pieces<WeldItem>(
@@ -175,7 +234,8 @@ class DistributedCleaning {
           if (states_[i] != VertexState::used) return;
           const std::uint64_t hash = hash_of(out_.positions[i]);
           if (turn_of_hash(hash, turns) == turn)
-            emit(rank_of_hash(hash, ranks_), {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
+            emit(shared.contains(out_.positions[i]) ? rank_of_hash(hash, ranks_) : ranks_.rank(),
+                 {out_.positions[i], static_cast<std::uint32_t>(first_vertex_ + i)});
         },
         [&](int, std::vector<WeldItem>&& some) { items.insert(items.end(), some.begin(), some.end()); });
     const std::vector<NumberRepeat> repeats = repeats_among(items, scheduler_);
@@ -200,6 +260,10 @@ class DistributedCleaning {
     items.reserve((own_triangles_ + own_triangles_ / 16) / turns);
     visit_welded(
         [&](std::uint64_t at, const PieceCorners& corners, std::span<const std::uint32_t> become, std::size_t count) {
+          const std::vector<std::uint8_t> used_by_others =
+              Question(ranks_, out_.vertices, become).answer<std::uint8_t>([&](std::uint32_t v, int asker) {
+                return std::uint8_t{users_[v].others_than(asker)};
+              });
           ByRank<TriangleItem> out = by_rank<TriangleItem>(ranks_);
           for (std::size_t t = 0; t < count; ++t) {
             if (out_.dropped[at + t]) continue;
@@ -207,7 +271,8 @@ class DistributedCleaning {
             const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
             if (turn_of_hash(hash_of(key), turns) != turn) continue;
             const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
-            out[static_cast<std::size_t>(out_.vertices.owner(picked))].push_back(
+            const bool may_meet = used_by_others[c[0]] && used_by_others[c[1]] && used_by_others[c[2]];
+            out[static_cast<std::size_t>(may_meet ? out_.vertices.owner(picked) : ranks_.rank())].push_back(
                 {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
           }
           for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
@@ -283,8 +348,11 @@ class DistributedCleaning {
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (used[i]) some.push_back(vertices[i]);
     const Question question(ranks_, out_.vertices, some);
-    for (const std::vector<std::uint32_t>& of_rank : question.asked())
-      for (const std::uint32_t v : of_rank) states_[v] = VertexState::used;
+    for (std::size_t rank = 0; rank < question.asked().size(); ++rank)
+      for (const std::uint32_t v : question.asked()[rank]) {
+        states_[v] = VertexState::used;
+        users_[v].add(static_cast<int>(rank));
+      }
   }
 
   const MeshStream& stream_;
@@ -294,6 +362,7 @@ class DistributedCleaning {
   CleanSlices out_;  // numbers: first what each vertex has become by welding; empty if none has
   std::uint64_t first_vertex_ = 0, first_triangle_ = 0, own_vertices_ = 0, own_triangles_ = 0;
   std::vector<VertexState> states_;  // by vertex of the slice
+  std::vector<Users> users_;         // of those that are marked as used
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ struct CleanSlices {
   Repairs repairs;  // of all ranks
 };
 
-// Called by all ranks with the same input and lattice (none, or one). The slice is read three to six times. Memory: 17
+// Called by all ranks with the same input and lattice (none, or one). The slice is read three to six times. Memory: 19
 // bytes per vertex of the slice and a bit per triangle, and in addition first 16 bytes per vertex, then 16 per
 // triangle, of a share that is as large as the slice on average. Of a slice of more than `most_items` of them at most
 // so many are compared at a time, for which the slice's positions or triangles are looked at again each time.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -38,12 +37,6 @@ struct WedgeItem {
   WedgeOrder number;
 };
 using WedgeRepeat = Repeat<WedgeOrder>;
-
-struct DealtWedge {
-  std::uint32_t number;
-  Vec3f position;
-  WedgeValues values;
-};
 
 class WedgeWelding {
  public:
@@ -110,10 +103,19 @@ class WedgeWelding {
   // become.
   void number() {
     numbers_.assign(count_, none);
-    const std::uint64_t copies_before = number_range(0, originals_, 0);
-    total_ = number_range(originals_, count_, copies_before);
-    if (total_ >= FinestVertices::shared_flag)
+    const auto left_in = [&](std::uint64_t begin, std::uint64_t end) {
+      std::uint64_t left = 0;
+      for (std::uint64_t w = begin; w < end; ++w) left += is_left(w);
+      return ranks_.gather(left);
+    };
+    const std::vector<std::uint64_t> originals = left_in(0, originals_), copies = left_in(originals_, count_);
+    out_.wedges = Slices(originals, copies);
+    if (out_.wedges.total() >= FinestVertices::shared_flag)
       throw ResourceError(describe(stream_.name(), "", "has more than 2^31 vertices; vertex ids have 32 bits"));
+    std::uint64_t original = Slices(originals).begin(ranks_.rank());
+    std::uint64_t copy = Slices(originals).total() + Slices(copies).begin(ranks_.rank());
+    for (std::uint64_t w = 0; w < count_; ++w)
+      if (is_left(w)) numbers_[w] = static_cast<std::uint32_t>(w < originals_ ? original++ : copy++);
     std::vector<std::uint32_t> others;
     for (std::uint32_t w = 0; w < count_; ++w)
       if (vertex_[w] != none && !is_left(w)) others.push_back(w);
@@ -126,23 +128,16 @@ class WedgeWelding {
     });
   }
 
-  void deal() {
-    out_.wedges = Slices(total_, ranks_.count());
-    const std::uint64_t first = out_.wedges.begin(ranks_.rank()), size = out_.wedges.size(ranks_.rank());
-    out_.values.resize(size);
-    std::vector<Vec3f> positions(size);
-    exchange_in_pieces<DealtWedge>(
-        ranks_, count_,
-        [&](std::uint64_t w, const auto& emit) {
-          if (is_left(w))
-            emit(out_.wedges.owner(numbers_[w]), {numbers_[w], clean_.positions[slice_vertex_[w]], values(w)});
-        },
-        [&](int, const std::vector<DealtWedge>& some) {
-          for (const DealtWedge& wedge : some) {
-            positions.at(wedge.number - first) = wedge.position;
-            out_.values[wedge.number - first] = wedge.values;
-          }
-        });
+  // Those that are left remain where they have been read.
+  void keep() {
+    std::vector<Vec3f> positions;
+    clean_.numbers.clear();
+    for (std::uint64_t w = 0; w < count_; ++w) {
+      if (!is_left(w)) continue;
+      positions.push_back(clean_.positions[slice_vertex_[w]]);
+      clean_.numbers.push_back(numbers_[w]);
+      out_.values.push_back(values(w));
+    }
     clean_.positions = std::move(positions);
   }
 
@@ -153,12 +148,10 @@ class WedgeWelding {
     clean_.triangles = Slices(ranks_.gather(clean_.own_triangles));
     clean_.dropped = BitSet(triangles.size());
     clean_.vertices = clean_.vertices_left = out_.wedges;
-    clean_.numbers.resize(out_.values.size());
-    std::iota(clean_.numbers.begin(), clean_.numbers.end(),
-              static_cast<std::uint32_t>(out_.wedges.begin(ranks_.rank())));
     clean_.left.assign(out_.values.size(), 1);
     out_.triangles = std::make_shared<HeldStream>(
-        stream_.name(), HeldFigures{total_, clean_.triangles_left, stream_.up()}, HeldStream::Part<Vec3d>{},
+        stream_.name(), HeldFigures{out_.wedges.total(), clean_.triangles_left, stream_.up()},
+        HeldStream::Part<Vec3d>{},
         HeldStream::Part<Triangle>{clean_.triangles.begin(ranks_.rank()), std::move(triangles)});
     return std::move(out_);
   }
@@ -174,17 +167,6 @@ class WedgeWelding {
     return {vertex_[w], of(material_), of(wedges_.colour), of(wedges_.uv), of(wedges_.normal)};
   }
 
-  // Numbers those that are left of the own wedges [begin, end), of all ranks, from `base` on; returns the end.
-  [[nodiscard]] std::uint64_t number_range(std::uint64_t begin, std::uint64_t end, std::uint64_t base) {
-    std::uint64_t left = 0;
-    for (std::uint64_t w = begin; w < end; ++w) left += is_left(w);
-    const Slices all(ranks_.gather(left));
-    std::uint64_t next = base + all.begin(ranks_.rank());
-    for (std::uint64_t w = begin; w < end; ++w)
-      if (is_left(w)) numbers_[w] = static_cast<std::uint32_t>(next++);
-    return base + all.total();
-  }
-
   RawWedges wedges_;
   std::size_t count_, originals_;  // own wedges: with copies, and without
   const MeshStream& stream_;
@@ -198,27 +180,7 @@ class WedgeWelding {
   Slices keys_;
   std::vector<WedgeOrder> become_;      // by own wedge
   std::vector<std::uint32_t> numbers_;  // by own wedge
-  std::uint64_t total_ = 0;
 };
-
-// By vertex that this rank asks for: 1 if others do, too.
-std::vector<std::uint8_t> used_by_others(const Slices& slices, std::span<const std::uint32_t> vertices, Ranks& ranks) {
-  std::vector<std::uint8_t> askers(slices.size(ranks.rank()), 0), out;
-  const auto ask = [&](const auto& visit) {
-    for_pieces(ranks, vertices.size(), [&](std::uint64_t begin, std::uint64_t end) {
-      visit(Question(ranks, slices, vertices.subspan(begin, end - begin)));
-    });
-  };
-  ask([&](const Question& question) {
-    for (const std::vector<std::uint32_t>& of_rank : question.asked())
-      for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
-  });
-  ask([&](const Question& question) {
-    const auto some = question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; });
-    out.insert(out.end(), some.begin(), some.end());
-  });
-  return out;
-}
 
 }  // namespace
 
@@ -242,7 +204,7 @@ WedgeSlices weld_wedges(RankSurface&& surface, const MeshStream& stream, CleanSl
   welding.place();
   welding.weld();
   welding.number();
-  welding.deal();
+  welding.keep();
   return std::move(welding).result();
 }
 
@@ -268,7 +230,7 @@ void attach_wedges(WedgeSlices&& given, RoutedMesh& routed, Ranks& ranks) {
     }
   });
   ranks.begin("finding shared vertices");
-  const std::vector<std::uint8_t> used = used_by_others(slices.vertices, vertices.keys(), ranks);
+  const std::vector<std::uint8_t> used = asked_by_others(slices.vertices, vertices.keys(), ranks);
   routed.vertices = slices.vertices;
   routed.used_by_others.assign(routed.ids.size(), 0);
   for (std::size_t v = 0; v < first.size(); ++v) routed.used_by_others[first[v]] = used[v];

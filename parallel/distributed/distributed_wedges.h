@@ -27,15 +27,15 @@ struct WedgeValues {
 
 struct WedgeSlices {
   SurfaceKinds kinds;                           // materials: only if there is another one than the first
-  Slices wedges, vertices;                      // by number of either
-  std::vector<WedgeValues> values;              // by wedge of the slice
+  Slices wedges, vertices;                      // by number of either; wedges: copies for several materials are last
+  std::vector<WedgeValues> values;              // by own wedge
   std::shared_ptr<const MeshStream> triangles;  // of the clean mesh, by wedge
 
   [[nodiscard]] AttributeSet attributes() const { return {true, kinds.uv, kinds.colours, kinds.materials}; }
 };
 
-// Welds the wedges of a vertex that have equal values, and deals them out evenly. Every rank has the vertices and
-// wedges that its triangles use in its slices: no file is cut. Afterwards the slices of `clean` are those of wedges and
+// Welds the wedges of a vertex that have equal values. Every rank has the vertices and wedges that its triangles use in
+// its slices: no file is cut. Afterwards the slices of `clean` are those of wedges and
 // of the triangles that are left. Memory: 100 bytes per wedge of a share.
 [[nodiscard]] WedgeSlices weld_wedges(RankSurface&& surface, const MeshStream& stream, CleanSlices& clean, Ranks& ranks,
                                       Scheduler& scheduler);

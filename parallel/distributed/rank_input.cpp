@@ -263,8 +263,10 @@ class InputParts {
   }
 
   // The bytes of all parts, one after the other, are cut into equal shares. A part that is cut is so in proportion; a
-  // whole one belongs where its middle lies.
-  [[nodiscard]] std::uint64_t middle(std::size_t p) const { return ends_[p] + (ends_[p + 1] - ends_[p]) / 2; }
+  // whole one belongs where its middle lies, but the first to rank 0, to which all textures go.
+  [[nodiscard]] std::uint64_t middle(std::size_t p) const {
+    return p == 0 ? 0 : ends_[p] + (ends_[p + 1] - ends_[p]) / 2;
+  }
   [[nodiscard]] std::uint64_t cut(int rank) const {
     return ends_.back() / static_cast<std::uint64_t>(ranks_.count()) * static_cast<std::uint64_t>(rank) +
            ends_.back() % static_cast<std::uint64_t>(ranks_.count()) * static_cast<std::uint64_t>(rank) /

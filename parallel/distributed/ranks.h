@@ -72,8 +72,9 @@ class Ranks {
   [[nodiscard]] std::vector<Value> gather(const Value& value);
   template <class Value>
   [[nodiscard]] std::vector<std::vector<Value>> gather_lists(const std::vector<Value>& values) {
-    const auto bytes = std::as_bytes(std::span(values));
-    return items_of<Value>(gather_messages({bytes.begin(), bytes.end()}));
+    std::vector<Message> all = gather_messages(pack_words(std::as_bytes(std::span(values)), sizeof(Value)));
+    for (Message& message : all) message = unpack_words(message, sizeof(Value));
+    return items_of<Value>(all);
   }
   // Texts of all ranks, by rank, without zero characters.
   [[nodiscard]] std::vector<std::vector<std::string>> gather_texts(const std::vector<std::string>& own);

@@ -54,7 +54,7 @@ std::vector<std::uint32_t> sample_slice(const CleanSlices& clean, Ranks& ranks) 
   return sample;
 }
 
-// Cells of max_level of the triangles that all ranks look at.
+// Cells of max_level of the triangles that this rank looks at, in ascending order.
 std::vector<CellCode> sample_cells(const MeshStream& stream, const CleanSlices& clean, Ranks& ranks) {
   const std::uint64_t first = clean.triangles.begin(ranks.rank());
   const std::vector<std::uint32_t> sample = sample_slice(clean, ranks);
@@ -66,10 +66,36 @@ std::vector<CellCode> sample_cells(const MeshStream& stream, const CleanSlices& 
     const PieceMesh piece(std::move(triangles), clean, ranks);
     for (std::size_t t = 0; t < piece.size(); ++t) cells.push_back(piece.cell(t, max_level));
   });
-  std::vector<CellCode> all;
-  for (const std::vector<CellCode>& of_rank : ranks.gather_lists(cells))
+  std::ranges::sort(cells);
+  return cells;
+}
+
+// A cell, and the number of triangles in it among those that are looked at.
+struct CountedCell {
+  std::uint64_t code, count;
+};
+
+// By all ranks together, the cells of a level; a cell of several ranks once for each of them.
+std::vector<CountedCell> cells_of_all(const std::vector<CellCode>& own_sample, int level, Ranks& ranks) {
+  std::vector<CountedCell> own, all;
+  for (const CellCode finest : own_sample) {
+    const std::uint64_t code = finest.morton >> (3 * (max_level - level));
+    if (own.empty() || own.back().code != code) own.push_back({code, 0});
+    ++own.back().count;
+  }
+  for (const std::vector<CountedCell>& of_rank : ranks.gather_lists(own))
     all.insert(all.end(), of_rank.begin(), of_rank.end());
   return all;
+}
+
+int choose_level(const std::vector<CellCode>& own_sample, std::uint64_t triangles, std::uint32_t cell_triangles,
+                 Ranks& ranks) {
+  const auto occupied = [&](int level) {
+    std::vector<CountedCell> cells = cells_of_all(own_sample, level, ranks);
+    std::ranges::sort(cells, {}, &CountedCell::code);
+    return cells.size() - std::ranges::unique(cells, {}, &CountedCell::code).size();
+  };
+  return finest_level_of(occupied, ranks.sum(own_sample.size()), triangles, cell_triangles);
 }
 
 // Joins the lists of each rank, in their order, in the order of the ranks.
@@ -148,13 +174,15 @@ void fetch_vertices(CleanSlices&& given, std::span<const std::uint32_t> numbers,
 
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {
   ranks.begin("choosing cells");
-  std::vector<CellCode> sample = sample_cells(stream, clean, ranks);
+  const std::vector<CellCode> own_sample = sample_cells(stream, clean, ranks);
   const LevelGrids grids = grids_of(config);
-  const int level = config.finest_level < 0
-                        ? grids.finest_level(finest_level_of(sample, clean.triangles_left, config.cell_triangles))
-                        : config.finest_level;
+  int level = config.finest_level;
+  if (level < 0)
+    level = grids.finest_level(choose_level(own_sample, clean.triangles_left, config.cell_triangles, ranks));
   const int grid = grids.of(level);
-  for (CellCode& cell : sample) cell.morton >>= 3 * (max_level - grid);
+  std::vector<CellCode> sample;
+  for (const CountedCell& cell : cells_of_all(own_sample, grid, ranks))
+    sample.insert(sample.end(), cell.count, CellCode{cell.code});
   return {level, grid, CellOwners(level, sample, ranks.count(), grids)};
 }
 

@@ -133,20 +133,28 @@ std::size_t level_sample_stride(std::size_t triangles) {
 }
 
 int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std::uint32_t cell_triangles) {
-  // With fewer samples for a cell many cells are not seen: their number grows from level to level as it did before.
-  const double fewest = sample.size() < triangles ? 4 : 0;
-  int best = 0;
-  double best_misfit = std::numeric_limits<double>::infinity(), cells = 1, growth = 1;
-  CellNumbers occupied;
-  for (int level = 0; level <= max_level; ++level) {
-    occupied.clear(occupied.size());
+  CellNumbers cells;
+  const auto occupied = [&](int level) {
+    cells.clear(cells.size());
     CellCode last{~0ull};
     for (const CellCode finest : sample) {
       const CellCode code{finest.morton >> (3 * (max_level - level))};
-      if (code != last) (void)occupied.number(last = code);
+      if (code != last) (void)cells.number(last = code);
     }
-    const auto seen = static_cast<double>(occupied.size());
-    const bool sees_all = seen * fewest <= static_cast<double>(sample.size());
+    return cells.size();
+  };
+  return finest_level_of(occupied, sample.size(), triangles, cell_triangles);
+}
+
+int finest_level_of(const std::function<std::size_t(int level)>& occupied, std::size_t sampled, std::size_t triangles,
+                    std::uint32_t cell_triangles) {
+  // With fewer samples for a cell many cells are not seen: their number grows from level to level as it did before.
+  const double fewest = sampled < triangles ? 4 : 0;
+  int best = 0;
+  double best_misfit = std::numeric_limits<double>::infinity(), cells = 1, growth = 1;
+  for (int level = 0; level <= max_level; ++level) {
+    const auto seen = static_cast<double>(occupied(level));
+    const bool sees_all = seen * fewest <= static_cast<double>(sampled);
     if (sees_all) growth = seen / cells;
     cells = sees_all ? seen : std::max(seen, cells * growth);
     const double mean = static_cast<double>(triangles) / cells;

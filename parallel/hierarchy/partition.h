@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,9 +36,12 @@ void number_shared_vertices(FinestVertices& vertices, Scheduler& scheduler);
 [[nodiscard]] int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles);
 
 // The two halves of it: every how many triangles, from the first, one is looked at; and the choice by the cells of
-// max_level that hold the barycentres of those.
+// max_level that hold the barycentres of those. Or by occupied(level), the number of cells of a level that hold any of
+// the `sampled` ones: it is asked from level 0 on, as far as it needs to be.
 [[nodiscard]] std::size_t level_sample_stride(std::size_t triangles);
 [[nodiscard]] int finest_level_of(std::span<const CellCode> sample, std::size_t triangles,
                                   std::uint32_t cell_triangles);
+[[nodiscard]] int finest_level_of(const std::function<std::size_t(int level)>& occupied, std::size_t sampled,
+                                  std::size_t triangles, std::uint32_t cell_triangles);
 
 }  // namespace lodestone

@@ -124,6 +124,21 @@ TEST_F(Distributed, TellsWhatEachRankHasDone) {
   EXPECT_EQ(cells, result.tables.cells.size());
 }
 
+// Nothing is sent to be compared that cannot equal anything of another rank.
+TEST_F(Distributed, SendsLittleOfAnOrderedInput) {
+  const auto bytes = [&](const RawMesh& raw) {
+    const DistributedResult result = build(open_mesh_stream(mesh(raw)), 3, 0);
+    std::uint64_t sum = 0;
+    for (const RankReport& rank : result.ranks) sum += rank.stages.front().traffic.bytes_sent;
+    return static_cast<double>(sum) / static_cast<double>(raw.triangles.size());
+  };
+  RawMesh raw = test::raw_of(test::terrain_mesh(150));
+  EXPECT_LT(bytes(raw), 2.5);
+  std::mt19937 random(3);
+  std::shuffle(raw.triangles.begin(), raw.triangles.end(), random);
+  EXPECT_GT(bytes(raw), 10);
+}
+
 TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
   const fs::path path = mesh(sphere(2));
   const std::shared_ptr<const MeshStream> stream = open_mesh_stream(path);

@@ -116,7 +116,7 @@ TEST_F(RankInputTest, FilesAreSharedOutByTheirBytes) {
   EXPECT_EQ(sizes, (std::vector<std::uint64_t>{1001 + 1, 1002, 1002}));
   sizes.clear();
   (void)opened({part("a.off", 0, 1000)}, 3, sizes);
-  EXPECT_EQ(sizes, (std::vector<std::uint64_t>{0, 1002, 0}));
+  EXPECT_EQ(sizes, (std::vector<std::uint64_t>{1002, 0, 0}));  // where textures would go
 }
 
 TEST_F(RankInputTest, ErrorsNameTheFileOfAPart) {

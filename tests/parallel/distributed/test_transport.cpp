@@ -103,6 +103,29 @@ TEST(Ranks, ExchangeInPiecesKeepsTheOrderOfEachRank) {
   });
 }
 
+TEST(Slices, MayBeTwoForEachRank) {
+  const std::vector<std::uint64_t> sizes{3, 0, 2}, more{1, 4, 0};
+  const Slices slices(sizes, more);
+  EXPECT_EQ(slices.total(), 10u);
+  const std::vector<int> owners{0, 0, 0, 2, 2, 0, 1, 1, 1, 1};
+  const std::vector<std::uint64_t> places{0, 1, 2, 0, 1, 3, 0, 1, 2, 3}, all{4, 4, 2};
+  for (std::uint64_t number = 0; number < slices.total(); ++number) {
+    EXPECT_EQ(slices.owner(number), owners[number]) << number;
+    EXPECT_EQ(slices.place(number), places[number]) << number;
+  }
+  for (int rank = 0; rank < 3; ++rank) EXPECT_EQ(slices.size(rank), all[static_cast<std::size_t>(rank)]);
+}
+
+TEST(Slices, TellWhatOthersAskFor) {
+  run_local_ranks(3, [&](Transport& transport) {
+    Ranks ranks(transport);
+    const auto rank = static_cast<std::uint32_t>(ranks.rank());
+    const std::vector<std::uint32_t> numbers{7, rank, rank + 1, 90 + rank};  // 1 and 2: two of them each
+    const std::vector<std::uint8_t> expected{1, rank > 0, rank < 2, 0};
+    EXPECT_EQ(asked_by_others(Slices(100, 3), numbers, ranks), expected);
+  });
+}
+
 TEST(Question, IsAnsweredByTheOwner) {
   run_local_ranks(4, [&](Transport& transport) {
     Ranks ranks(transport);
