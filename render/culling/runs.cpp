@@ -28,40 +28,40 @@ Box3f with_rounding(const Box3f& box) {
 }  // namespace
 
 void CullingRuns::cull(const Hierarchy& hierarchy, const ViewProjection& view_projection, ImageSize size,
-                       Selection& selection) {
+                       Selection& selection, std::vector<TriangleRange>& ranges) {
   const Frustum frustum = frustum_of(view_projection);
   struct Part {
     SelectedCell* cell;
     std::size_t first, count;
   };
   std::vector<Part> parts;
-  ranges_.clear();
+  ranges.clear();
   for (SelectedCell& selected : selection.cells) {
     selected.ranges = {};
     if (!selected.visible || is_inside(frustum, drawn_bounds(hierarchy, selected.cell, selected.level))) continue;
     const auto triangles = static_cast<std::uint32_t>(hierarchy.cells[selected.cell].triangles.size());
     const float margin = hierarchy.displacement_bound(selected.level);
-    const std::size_t first = ranges_.size();
+    const std::size_t first = ranges.size();
     std::uint32_t begin = 0, kept = 0;
     for (const Box3f& box : boxes(hierarchy, selected.cell)) {
       const std::uint32_t end = std::min(begin + length, triangles);
       if (!is_outside(frustum, box, margin) && !misses(view_projection, box, size)) {
         kept += end - begin;
-        if (ranges_.size() > first && ranges_.back().end == begin)
-          ranges_.back().end = end;
+        if (ranges.size() > first && ranges.back().end == begin)
+          ranges.back().end = end;
         else
-          ranges_.push_back({begin, end});
+          ranges.push_back({begin, end});
       }
       begin = end;
     }
     if (kept == triangles) {
-      ranges_.resize(first);
+      ranges.resize(first);
       continue;
     }
-    if (kept == 0) ranges_.push_back({});
-    parts.push_back({&selected, first, ranges_.size() - first});
+    if (kept == 0) ranges.push_back({});
+    parts.push_back({&selected, first, ranges.size() - first});
   }
-  for (const Part& part : parts) part.cell->ranges = std::span(ranges_).subspan(part.first, part.count);
+  for (const Part& part : parts) part.cell->ranges = std::span(ranges).subspan(part.first, part.count);
 }
 
 std::span<const Box3f> CullingRuns::boxes(const Hierarchy& hierarchy, CellId id) {

@@ -1,4 +1,5 @@
-// Runs of a cell's triangles that are out of the picture: a cell at its border is not drawn as a whole.
+// Runs of a cell's triangles that are out of the picture, or of a shadow map: a cell at its border is not drawn as a
+// whole.
 //
 // A run is 128 triangles in the stored order. Its box holds their corners at both ends of the morph, and so at any
 // lambda. Runs are left out only if no pixel of the picture can be touched (screen_box), or if they lie before the near
@@ -19,9 +20,10 @@ class CullingRuns {
  public:
   static constexpr std::uint32_t length = 128;  // triangles; the last run of a cell may be shorter
 
-  // Gives every visible cell at the border of the picture the runs that are in it: an empty range if none is. Valid
-  // until the next call.
-  void cull(const Hierarchy& hierarchy, const ViewProjection& view_projection, ImageSize size, Selection& selection);
+  // Gives every visible cell at the border of the picture the runs that are in it: an empty range if none is. They lie
+  // in `ranges`, which are replaced.
+  void cull(const Hierarchy& hierarchy, const ViewProjection& view_projection, ImageSize size, Selection& selection,
+            std::vector<TriangleRange>& ranges);
 
   // Boxes of the cell's runs, rounded outwards as far as blending may round. They are found when they are first asked
   // for: O(triangles).
@@ -31,7 +33,6 @@ class CullingRuns {
 
  private:
   std::vector<std::vector<Box3f>> boxes_;  // by cell
-  std::vector<TriangleRange> ranges_;      // of all cells of the selection
 };
 
 }  // namespace lodestone

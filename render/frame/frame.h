@@ -77,10 +77,10 @@ struct ModelFrame {
   std::uint32_t model = 0;  // of those uploaded
   MorphContext morph;
   const Selection* selection = nullptr;  // a backend draws its visible cells
-  CullingRuns* runs = nullptr;           // of the cells, for Frame::cull_occluded; null: it hides whole cells alone
-  ViewProjection view_projection;        // of normalised model space
-  Vec3f towards_eye{0, 0, 1};            // where the head light comes from
-  Vec3f towards_light{0, 0, 1};          // where the directional light comes from
+  CullingRuns* runs = nullptr;     // for selection on the device, and Frame::cull_occluded; null: whole cells alone
+  ViewProjection view_projection;  // of normalised model space
+  Vec3f towards_eye{0, 0, 1};      // where the head light comes from
+  Vec3f towards_light{0, 0, 1};    // where the directional light comes from
   Appearance appearance;
   std::optional<Plane> clip;  // in normalised space; what lies behind it is not drawn and throws no shadow
   // All visible cells of a surface that bounds a solid, whose cut by the clipping plane is filled; null: left open.

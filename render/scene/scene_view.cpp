@@ -242,11 +242,11 @@ void SceneView::select(const ModelFrame& model, Placed& placed, bool hidden) {
   if (placed.open.back_faces && !backs_count)
     config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
-  placed.runs.cull(*placed.open.hierarchy, model.view_projection, frame_.size, placed.selection);
+  placed.runs.cull(*placed.open.hierarchy, model.view_projection, frame_.size, placed.selection, placed.ranges);
 }
 
 // The shadow map covers the visible cells and the cells that may throw a shadow on them. Casters are the same morphed
-// surface as the picture's, selected for the camera, culled by the light.
+// surface as the picture's, selected for the camera, and culled by the light with its runs.
 void SceneView::see_from_light() {
   std::vector<Vec3d> receivers, casters;
   std::vector<ModelPlacement> placements;
@@ -272,8 +272,8 @@ void SceneView::see_from_light() {
       if (cell.visible) add(receivers, cell.cell, cell.level);
   }
   if (casters.empty()) return;  // all are hidden
-  const LightView light =
-      fit_light(config_.towards_light, receivers, casters, frame_.settings.lighting.directional.shadow_texels);
+  const int texels = frame_.settings.lighting.directional.shadow_texels;
+  const LightView light = fit_light(config_.towards_light, receivers, casters, texels);
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     Placed& placed = placed_[m];
     ModelFrame& model = frame_.models[m];
@@ -282,6 +282,8 @@ void SceneView::see_from_light() {
     const Frustum frustum = frustum_of(model.light_projection);
     select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
                  placed.casters);
+    placed.runs.cull(*placed.open.hierarchy, model.light_projection, {texels, texels}, placed.casters,
+                     placed.caster_ranges);
     model.casters = &placed.casters;
   }
 }

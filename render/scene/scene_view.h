@@ -105,7 +105,8 @@ class SceneView {
     std::uint64_t revision = 0;               // of the streamed cells in it
     std::vector<CellId> went, came;           // families that the renderer has yet to lose and to get
     Selection selection, casters;
-    CullingRuns runs;  // of the selection
+    CullingRuns runs;
+    std::vector<TriangleRange> ranges, caster_ranges;  // of the selections
   };
   void place_models();
   void set_radii(Placed& placed, const RadiiConfig& config);

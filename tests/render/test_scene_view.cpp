@@ -140,6 +140,32 @@ TEST(SceneView, UnitsBeyondTheRangeOfFloatMakeTheSamePicture) {
   }
 }
 
+// What cannot throw a shadow into a picture from near by is left out in runs of triangles: no bit changes.
+TEST(SceneView, ShadowMapsLeaveRunsOut) {
+  const auto scheduler = make_serial_scheduler();
+  Scene scene = scene_of_one();
+  scene.settings.lighting.directional.shadows = true;
+  scene.effects = parse_effects("directional-light,shadow");
+  const auto renderer = make_renderer("soft", *scheduler);
+  const test::NaiveHierarchy fine = test::naive_hierarchy(test::torus_mesh(384, 192), 3);
+  int fewer = 0;
+  for (const double height : {0.15, 0.3, 0.6}) {
+    SceneView view(scene, {{&fine.hierarchy}});
+    const Image image = draw(view, {{0.2, 0.1, height}, {0.3, 0.5, 0.1}}, *renderer);
+    const FrameStats stats = renderer->draw(view.frame());
+    Frame whole = view.frame();
+    ASSERT_TRUE(whole.only().casters);
+    Selection casters = *whole.only().casters;
+    for (SelectedCell& cell : casters.cells) cell.ranges = {};
+    whole.only().casters = &casters;
+    const FrameStats of_whole = renderer->draw(whole);
+    EXPECT_TRUE(renderer->read_back().rgba == image.rgba);
+    EXPECT_LE(stats.work.at("shadow triangles"), of_whole.work.at("shadow triangles"));
+    fewer += stats.work.at("shadow triangles") < of_whole.work.at("shadow triangles");
+  }
+  EXPECT_GT(fewer, 1);
+}
+
 TEST(SceneView, ACameraAtRestDoesNothing) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);

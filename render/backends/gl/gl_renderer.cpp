@@ -22,6 +22,7 @@
 #include "render/backends/gl/scene/scene.h"
 #include "render/backends/gl/scene/textures.h"
 #include "render/backends/gl/shaders/draw_program.h"
+#include "render/culling/runs.h"
 #include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
@@ -137,7 +138,13 @@ class MultiDrawRenderer final : public GlRenderer {
       Frame selected = frame;
       const Stopwatch selecting;
       selections_ = select_all(frame);
-      for (std::size_t m = 0; m < selected.models.size(); ++m) selected.models[m].selection = &selections_[m];
+      ranges_.resize(selections_.size());
+      for (std::size_t m = 0; m < selected.models.size(); ++m) {
+        ModelFrame& model = selected.models[m];
+        if (model.runs)
+          model.runs->cull(*model.morph.hierarchy, model.view_projection, frame.size, selections_[m], ranges_[m]);
+        model.selection = &selections_[m];
+      }
       stats.milliseconds["device select"] = selecting.milliseconds();
       draw_selected(selected, stats);
     } else {
@@ -355,7 +362,8 @@ class MultiDrawRenderer final : public GlRenderer {
   Scheduler* scheduler_;
   std::vector<const Hierarchy*> models_;
   std::vector<GlInstance> instances_;
-  std::vector<Selection> selections_;  // made on the device
+  std::vector<Selection> selections_;               // made on the device
+  std::vector<std::vector<TriangleRange>> ranges_;  // of those
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "render/backends/gl/device/stream.h"
 #include "render/backends/gl/shaders/exact_root.h"
 #include "render/camera/camera.h"
+#include "render/culling/runs.h"
 #include "tests/render/backends/gl_fixture.h"
 
 namespace lodestone {
@@ -169,14 +170,15 @@ TEST_F(GlSelect, IsTheCpusSelection) {
 }
 
 TEST_F(GlSelect, DrawsTheSamePicture) {
-  const NaiveHierarchy torus = naive_hierarchy(torus_mesh(96, 48), 3);
+  const NaiveHierarchy torus = naive_hierarchy(torus_mesh(192, 96), 2);
   renderer_->upload(torus.hierarchy);
   std::vector<RadiiConfig> configs;
   for (const float kappa0 : {0.4f, 2.0f, 5.0f}) configs.push_back(with_kappa0(kappa0));
   for (const float pixel_error : {4.0f, 16.0f, 64.0f})
     configs.push_back({.rule = RadiiRule::adaptive, .pixel_error = pixel_error});
+  int fewer = 0;
   for (const RadiiConfig& config : configs) {
-    WholeFrame whole(torus.hierarchy, config, {{0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}});
+    WholeFrame whole(torus.hierarchy, config, {{0.3, 0.1, 0.2}, {0.5, 0.5, 0.1}});
     const Frustum frustum = frustum_of(whole.frame.only().view_projection);
     select_cells(torus.hierarchy, whole.radii, whole.frame.only().morph.viewpoint, {&frustum, false}, whole.selection);
     const FrameStats by_cpu = renderer_->draw(whole.frame);
@@ -188,7 +190,20 @@ TEST_F(GlSelect, DrawsTheSamePicture) {
     EXPECT_TRUE(renderer_->read_back().rgba == expected.rgba);
     EXPECT_EQ(by_device.triangles, by_cpu.triangles);
     EXPECT_TRUE(by_device.milliseconds.contains("device select"));
+
+    CullingRuns runs;
+    whole.frame.only().runs = &runs;
+    const FrameStats in_runs = renderer_->draw(whole.frame);
+    EXPECT_TRUE(renderer_->read_back().rgba == expected.rgba);
+    std::vector<TriangleRange> ranges;
+    runs.cull(torus.hierarchy, whole.frame.only().view_projection, whole.frame.size, whole.selection, ranges);
+    whole.frame.only().selection = &whole.selection;
+    whole.frame.select_on_device = false;
+    EXPECT_EQ(in_runs.triangles, renderer_->draw(whole.frame).triangles);
+    EXPECT_LE(in_runs.triangles, by_cpu.triangles);
+    fewer += in_runs.triangles < by_cpu.triangles;
   }
+  EXPECT_GT(fewer, 2);
 }
 
 class GlStreamTest : public GlContextTest {};

@@ -78,7 +78,8 @@ Drawn fly(const Flight& flight, Renderer& renderer, Hidden hidden, const BackFac
     select_cells(h, radii, model.morph.viewpoint,
                  {&frustum, false, {}, back_faces ? back_faces->cones_from(model.morph.viewpoint, {}) : nullptr},
                  selection);
-    if (runs) runs->cull(h, model.view_projection, frame.size, selection);
+    std::vector<TriangleRange> ranges;
+    if (runs) runs->cull(h, model.view_projection, frame.size, selection, ranges);
     model.selection = &selection;
     if (hidden == Hidden::runs_left_out) model.runs = runs;
     drawn.stats.push_back(renderer.draw(frame));

@@ -234,6 +234,7 @@ TEST(Occlusion, WithoutHiddenRunsThePictureIsTheSame) {
 struct ViewOfParts {
   Radii radii;
   Selection selection;
+  std::vector<TriangleRange> ranges;
   Frame frame;
   std::vector<VisiblePart> parts;
 
@@ -248,7 +249,7 @@ struct ViewOfParts {
     model.runs = &runs;
     const Frustum frustum = frustum_of(model.view_projection);
     select_cells(h, radii, model.morph.viewpoint, {&frustum, false}, selection);
-    runs.cull(h, model.view_projection, frame.size, selection);
+    runs.cull(h, model.view_projection, frame.size, selection, ranges);
     for (std::uint32_t k = 0; k < selection.cells.size(); ++k) {
       const SelectedCell& cell = selection.cells[k];
       parts.push_back({0, k, cell.cell, cell.level, cell.ranges});
