@@ -140,7 +140,7 @@ TEST(SceneView, UnitsBeyondTheRangeOfFloatMakeTheSamePicture) {
   }
 }
 
-// What cannot throw a shadow into a picture from near by is left out in runs of triangles: no bit changes.
+// Runs of triangles that throw no shadow into a picture from near by are left out of the map: no bit changes.
 TEST(SceneView, ShadowMapsLeaveRunsOut) {
   const auto scheduler = make_serial_scheduler();
   Scene scene = scene_of_one();
