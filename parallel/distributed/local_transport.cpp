@@ -94,9 +94,14 @@ void run_local_ranks(int count, const std::function<void(Transport&)>& body, con
     } catch (const std::exception&) {  // the network knows
     }
   };
-  std::vector<std::thread> threads;
-  for (int rank = 0; rank < count; ++rank) threads.emplace_back(run, rank);
-  for (std::thread& thread : threads) thread.join();
+  {
+    std::vector<std::jthread> threads;
+    try {
+      for (int rank = 0; rank < count; ++rank) threads.emplace_back(run, rank);
+    } catch (const std::exception& error) {  // no thread more: the others must not wait for it
+      network.fail(RankFailure::of(static_cast<int>(threads.size()), network.host(), error));
+    }
+  }
   if (const auto failure = network.failure()) std::rethrow_exception(failure->error());
 }
 

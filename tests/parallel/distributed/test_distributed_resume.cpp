@@ -33,6 +33,7 @@ class DistributedResume : public Distributed {
       resumed_ = 0;
       for (const RankReport& rank : result.ranks) resumed_ += rank.blocks_resumed;
     } catch (const FileError&) {
+      on_progress_ = {};  // it refers to what ends here
       return true;
     }
     on_progress_ = {};
