@@ -363,7 +363,7 @@ void build(int number, const fs::path& folder, Scheduler& scheduler) {
 void build_many(int builds, const fs::path& folder, Scheduler& scheduler) {
   constexpr int cycle = 60;  // after which the parameters are those of the beginning
   for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
-  Growth growth(std::uint64_t{1} << 18, std::uint64_t{8} << 20);
+  Growth growth(std::uint64_t{1} << 18, std::uint64_t{1} << 20);
   growth.middle();
   const int cycles = std::max(1, builds / cycle);
   for (int c = 0; c < cycles; ++c) {
@@ -383,6 +383,7 @@ int main(int argc, char** argv) {
     std::fputs("usage: soak soft|gl SECONDS | soak builds NUMBER\n", stderr);
     return 2;
   }
+  mallopt(M_ARENA_MAX, 1);  // malloc_trim leaves the free ends of other heaps
   try {
     const Folder folder;
     const auto scheduler = make_tbb_scheduler(2);
