@@ -12,8 +12,8 @@
 #include "experiments/command_line/options.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "parallel/distributed/mpi_transport.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/mpi_transport.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/scheduler/trace.h"
 

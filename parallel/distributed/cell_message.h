@@ -4,7 +4,7 @@
 #include <span>
 
 #include "core/hierarchy/construct/cell_build.h"
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/transport.h"
 
 namespace lodestone {
 

@@ -10,9 +10,9 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/clean/find_repeats.h"
 #include "parallel/clean/stream_clean.h"
+#include "parallel/distributed/messages/ranks.h"
+#include "parallel/distributed/messages/slices.h"
 #include "parallel/distributed/rank_input.h"
-#include "parallel/distributed/ranks.h"
-#include "parallel/distributed/slices.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

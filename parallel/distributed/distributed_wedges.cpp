@@ -12,7 +12,7 @@
 #include "parallel/clean/find_repeats.h"
 #include "parallel/clean/prepare_wedges.h"
 #include "parallel/distributed/held_stream.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 
 namespace lodestone {
 namespace {

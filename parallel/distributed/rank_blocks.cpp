@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "parallel/distributed/cell_message.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 #include "parallel/hierarchy/build_blocks.h"
 
 namespace lodestone {

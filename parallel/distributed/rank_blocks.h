@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "parallel/distributed/cell_owners.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/rank_finest.h"
-#include "parallel/distributed/ranks.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/scheduler.h"
 

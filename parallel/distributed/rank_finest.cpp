@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 #include "parallel/hierarchy/finest_level.h"
 #include "parallel/hierarchy/partition.h"
 #include "parallel/hierarchy/shared_vertices.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/hierarchy/construct/cell_build.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/route_triangles.h"
 #include "parallel/hierarchy/shared_vertices.h"
 #include "parallel/scheduler/scheduler.h"

@@ -10,9 +10,9 @@
 
 #include "core/formats/common/read_config.h"
 #include "core/mesh/indexed_mesh.h"
+#include "parallel/distributed/messages/ranks.h"
+#include "parallel/distributed/messages/slices.h"
 #include "parallel/distributed/rank_surface.h"
-#include "parallel/distributed/ranks.h"
-#include "parallel/distributed/slices.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 

@@ -11,9 +11,9 @@
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/construct/cell_table.h"
 #include "core/hierarchy/lode/lode_format.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
+#include "parallel/distributed/messages/slices.h"
 #include "parallel/distributed/rank_signatures.h"
-#include "parallel/distributed/slices.h"
 #include "parallel/hierarchy/level_table.h"
 
 namespace lodestone {

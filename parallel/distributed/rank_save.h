@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/rank_finest.h"
 #include "parallel/distributed/rank_signatures.h"
-#include "parallel/distributed/ranks.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

@@ -11,7 +11,7 @@
 #include "core/base/sort_unique.h"
 #include "core/hierarchy/model/signature_sets.h"
 #include "core/mesh/clean_kernels.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 
 namespace lodestone {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/signatures.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 
 namespace lodestone {
 

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/mesh/raw_mesh.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 
 namespace lodestone {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 
 namespace lodestone {
 

@@ -8,7 +8,7 @@
 
 #include "core/files/atomic_folder.h"
 #include "core/mesh/up_axis.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/hierarchy/save_tiles.h"
 #include "parallel/scheduler/scheduler.h"
 

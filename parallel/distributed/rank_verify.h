@@ -2,8 +2,8 @@
 #pragma once
 
 #include "core/hierarchy/verify/verify.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/rank_cells.h"
-#include "parallel/distributed/ranks.h"
 
 namespace lodestone {
 

@@ -10,7 +10,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/distributed/cell_owners.h"
 #include "parallel/distributed/distributed_clean.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 #include "parallel/hierarchy/build.h"
 
 namespace lodestone {

@@ -36,7 +36,7 @@ class Confined:
 
 CONFINED = [
     Confined("oneTBB", r"#\s*include\s*<(oneapi/)?tbb/|\btbb::", r"parallel/(\w+/)*\w+\.cpp$"),
-    Confined("MPI", r"#\s*include\s*<mpi\.h>|\bMPI_[A-Z]\w*", r"parallel/distributed/mpi_transport\.cpp$"),
+    Confined("MPI", r"#\s*include\s*<mpi\.h>|\bMPI_[A-Z]\w*", r"parallel/distributed/messages/mpi_transport\.cpp$"),
     Confined("threads of the standard library",
              r"#\s*include\s*<(thread|future|execution|omp\.h|pthread\.h)>", r"(parallel|tests|bench)/"),
     Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",

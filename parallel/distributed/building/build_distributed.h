@@ -10,8 +10,8 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "parallel/distributed/building/rank_memory.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/rank_input.h"
-#include "parallel/distributed/ranks.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"

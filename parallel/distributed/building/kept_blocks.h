@@ -14,7 +14,7 @@
 
 #include "core/files/scratch_file.h"
 #include "parallel/distributed/cell_owners.h"
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/out_of_core/cell_store.h"
 #include "parallel/out_of_core/journal.h"
 

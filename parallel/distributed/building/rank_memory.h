@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "parallel/distributed/messages/ranks.h"
 #include "parallel/distributed/rank_input.h"
-#include "parallel/distributed/ranks.h"
 #include "parallel/hierarchy/build.h"
 
 namespace lodestone {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/files/scratch_file.h"
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 #include "parallel/mesh/mesh_stream.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 
 #include "core/base/byte_size.h"
 #include "parallel/distributed/building/build_distributed.h"
-#include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/messages/local_transport.h"
 #include "parallel/out_of_core/build_model.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_folder.h"

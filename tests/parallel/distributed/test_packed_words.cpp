@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "parallel/distributed/packed_words.h"
+#include "parallel/distributed/messages/packed_words.h"
 #include "tests/expect_error.h"
 
 namespace lodestone {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/messages/local_transport.h"
 #include "parallel/distributed/rank_cells.h"
 #include "parallel/distributed/rank_tiles.h"
 #include "parallel/hierarchy/save.h"

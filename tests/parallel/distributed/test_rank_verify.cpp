@@ -3,7 +3,7 @@
 
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
-#include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/messages/local_transport.h"
 #include "parallel/distributed/rank_verify.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/hierarchy/measure_errors.h"

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "parallel/distributed/local_transport.h"
-#include "parallel/distributed/parcels.h"
-#include "parallel/distributed/pieces.h"
-#include "parallel/distributed/slices.h"
+#include "parallel/distributed/messages/local_transport.h"
+#include "parallel/distributed/messages/parcels.h"
+#include "parallel/distributed/messages/pieces.h"
+#include "parallel/distributed/messages/slices.h"
 #include "tests/expect_error.h"
 
 namespace lodestone {

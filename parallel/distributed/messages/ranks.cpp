@@ -1,9 +1,9 @@
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 
 #include <numeric>
 #include <string>
 
-#include "parallel/distributed/parcels.h"
+#include "parallel/distributed/messages/parcels.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/distributed/ranks.h"
+#include "parallel/distributed/messages/ranks.h"
 
 namespace lodestone {
 

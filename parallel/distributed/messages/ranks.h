@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/distributed/packed_words.h"
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/packed_words.h"
+#include "parallel/distributed/messages/transport.h"
 
 namespace lodestone {
 

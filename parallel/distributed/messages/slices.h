@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "parallel/distributed/pieces.h"
+#include "parallel/distributed/messages/pieces.h"
 
 namespace lodestone {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/transport.h"
 
 namespace lodestone {
 

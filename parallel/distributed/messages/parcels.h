@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/base/error.h"
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/transport.h"
 
 namespace lodestone {
 

@@ -1,4 +1,4 @@
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/transport.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "parallel/distributed/local_transport.h"
+#include "parallel/distributed/messages/local_transport.h"
 
 #include <chrono>
 #include <condition_variable>

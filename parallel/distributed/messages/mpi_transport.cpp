@@ -1,6 +1,6 @@
 // Point-to-point messages alone: a rank that waits can look for the failure of any other one, and for the time, which
 // it cannot inside of a collective call of MPI.
-#include "parallel/distributed/mpi_transport.h"
+#include "parallel/distributed/messages/mpi_transport.h"
 
 #include <mpi.h>
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "parallel/distributed/transport.h"
+#include "parallel/distributed/messages/transport.h"
 
 namespace lodestone {
 

@@ -1,4 +1,4 @@
-#include "parallel/distributed/packed_words.h"
+#include "parallel/distributed/messages/packed_words.h"
 
 #include <bit>
 #include <cstdint>
