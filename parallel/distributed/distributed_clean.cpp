@@ -5,13 +5,12 @@
 #include "parallel/distributed/distributed_clean.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/clean_kernels.h"
+#include "parallel/distributed/shared_places.h"
 
 namespace lodestone {
 namespace {
@@ -29,45 +28,6 @@ struct TriangleItem {
 };
 
 using NumberRepeat = Repeat<std::uint32_t>;
-
-// Places near which several ranks have vertices. Each rank tells which cells of a grid it has vertices in, by hashes.
-class SharedPlaces {
- public:
-  // Memory: two bits per vertex of all ranks, up to 16 MiB, and about three bytes per vertex of a share until it is
-  // there.
-  SharedPlaces(std::span<const Vec3f> positions, std::span<const VertexState> states, std::uint64_t all_vertices,
-               Ranks& ranks)
-      : places_(std::clamp<std::uint64_t>(all_vertices, 1, most_places)),
-        side_(static_cast<float>(std::sqrt(static_cast<double>(places_) / places_in_square))) {
-    if (ranks.count() == 1) return;
-    BitSet own(places_);
-    for (std::size_t i = 0; i < positions.size(); ++i)
-      if (states[i] == VertexState::used) own.set(place(positions[i]));
-    std::vector<std::uint32_t> numbers;
-    for (std::uint32_t p = 0; p < places_; ++p)
-      if (own[p]) numbers.push_back(p);
-    const std::vector<std::uint8_t> others = asked_by_others(Slices(places_, ranks.count()), numbers, ranks);
-    shared_.emplace(places_);
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      if (others[i]) shared_->set(numbers[i]);
-  }
-  // False only if no other rank has a vertex in use there.
-  [[nodiscard]] bool contains(const Vec3f& position) const { return shared_ && (*shared_)[place(position)]; }
-
- private:
-  // A sphere in the unit cube has vertices in a quarter of as many cells as there are places.
-  static constexpr double places_in_square = 20;
-  static constexpr std::uint64_t most_places = std::uint64_t{1} << 26;
-
-  [[nodiscard]] std::uint64_t place(const Vec3f& p) const {
-    const Vec3f cell{std::floor(p.x * side_), std::floor(p.y * side_), std::floor(p.z * side_)};
-    return ((hash_of(cell) >> 32) * places_) >> 32;
-  }
-
-  std::uint64_t places_;          // cells are numbered by their hash
-  float side_;                    // of the cube in cells
-  std::optional<BitSet> shared_;  // of several ranks
-};
 
 // By whom a vertex is used.
 class Users {
@@ -97,7 +57,7 @@ class DistributedCleaning {
     out_.dropped = BitSet(own_triangles_);
     out_.transform.up = stream_.up();
     states_.resize(own_vertices_);
-    users_.resize(own_vertices_);
+    if (ranks.count() > 1) users_.resize(own_vertices_);
   }
 
   void drop_non_finite_triangles() {
@@ -260,20 +220,26 @@ class DistributedCleaning {
     items.reserve((own_triangles_ + own_triangles_ / 16) / turns);
     visit_welded(
         [&](std::uint64_t at, const PieceCorners& corners, std::span<const std::uint32_t> become, std::size_t count) {
-          const std::vector<std::uint8_t> used_by_others =
-              Question(ranks_, out_.vertices, become).answer<std::uint8_t>([&](std::uint32_t v, int asker) {
-                return std::uint8_t{users_[v].others_than(asker)};
-              });
           ByRank<TriangleItem> out = by_rank<TriangleItem>(ranks_);
+          std::vector<std::pair<TriangleItem, Triangle>> elsewhere;  // with the corners
+          std::vector<std::uint8_t> asked(become.size(), 0);
           for (std::size_t t = 0; t < count; ++t) {
             if (out_.dropped[at + t]) continue;
             const auto& c = corners.of(t).v;
             const Triangle key = canonical(Triangle{{become[c[0]], become[c[1]], become[c[2]]}});
             if (turn_of_hash(hash_of(key), turns) != turn) continue;
-            const std::uint32_t picked = key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3];
-            const bool may_meet = used_by_others[c[0]] && used_by_others[c[1]] && used_by_others[c[2]];
-            out[static_cast<std::size_t>(may_meet ? out_.vertices.owner(picked) : ranks_.rank())].push_back(
-                {key, static_cast<std::uint32_t>(first_triangle_ + at + t)});
+            const TriangleItem item{key, static_cast<std::uint32_t>(first_triangle_ + at + t)};
+            if (meeting_rank(key) == ranks_.rank()) {
+              out[static_cast<std::size_t>(ranks_.rank())].push_back(item);
+            } else {
+              elsewhere.emplace_back(item, corners.of(t));
+              asked[c[0]] = asked[c[1]] = asked[c[2]] = 1;
+            }
+          }
+          const std::vector<std::uint8_t> used = used_by_others(become, asked);
+          for (const auto& [item, c] : elsewhere) {
+            const bool may_meet = used[c.v[0]] && used[c.v[1]] && used[c.v[2]];
+            out[static_cast<std::size_t>(may_meet ? meeting_rank(item.key) : ranks_.rank())].push_back(item);
           }
           for (const auto& some : ranks_.exchange(out)) items.insert(items.end(), some.begin(), some.end());
         });
@@ -287,6 +253,28 @@ class DistributedCleaning {
         [&](int, const std::vector<std::uint32_t>& some) {
           for (const std::uint32_t t : some) out_.dropped.set(t - first_triangle_);
         });
+  }
+
+  // The owner of a vertex that is picked by all three.
+  [[nodiscard]] int meeting_rank(const Triangle& key) const {
+    return out_.vertices.owner(key.v[(key.v[0] ^ key.v[1] ^ key.v[2]) % 3]);
+  }
+
+  // By vertex of a piece that is asked about: 1 if other ranks use it, too; 0 for the others.
+  [[nodiscard]] std::vector<std::uint8_t> used_by_others(std::span<const std::uint32_t> vertices,
+                                                         std::span<const std::uint8_t> asked) {
+    std::vector<std::uint32_t> some;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (asked[i]) some.push_back(vertices[i]);
+    const std::vector<std::uint8_t> answers =
+        Question(ranks_, out_.vertices, some).answer<std::uint8_t>([&](std::uint32_t v, int asker) {
+          return std::uint8_t{users_[v].others_than(asker)};
+        });
+    std::vector<std::uint8_t> out(vertices.size(), 0);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (asked[i]) out[i] = answers[next++];
+    return out;
   }
 
   // Vertices that have become another one, which is left or unused, get its number; unused ones get any.
@@ -351,7 +339,7 @@ class DistributedCleaning {
     for (std::size_t rank = 0; rank < question.asked().size(); ++rank)
       for (const std::uint32_t v : question.asked()[rank]) {
         states_[v] = VertexState::used;
-        users_[v].add(static_cast<int>(rank));
+        if (!users_.empty()) users_[v].add(static_cast<int>(rank));
       }
   }
 

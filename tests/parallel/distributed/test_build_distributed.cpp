@@ -9,6 +9,7 @@
 #include "core/mesh/generate.h"
 #include "parallel/distributed/cell_owners.h"
 #include "parallel/distributed/generated_stream.h"
+#include "parallel/distributed/shared_places.h"
 #include "parallel/mesh/generate.h"
 #include "tests/expect_error.h"
 #include "tests/parallel/distributed/distributed.h"
@@ -137,6 +138,31 @@ TEST_F(Distributed, SendsLittleOfAnOrderedInput) {
   std::mt19937 random(3);
   std::shuffle(raw.triangles.begin(), raw.triangles.end(), random);
   EXPECT_GT(bytes(raw), 10);
+}
+
+TEST(SharedPlaces, AreWhereSeveralRanksHaveVertices) {
+  constexpr std::size_t count = 3000;
+  run_local_ranks(3, [&](Transport& transport) {
+    Ranks ranks(transport);
+    std::mt19937 random(7);  // of all ranks alike: what each draws for itself is in layers of their own
+    std::uniform_real_distribution<float> anywhere(0, 1);
+    std::vector<Vec3f> positions;
+    std::vector<VertexState> states;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3f p{anywhere(random), anywhere(random), anywhere(random)};
+      const bool common = i % 10 == 0;
+      const float layer = (static_cast<float>(ranks.rank()) + 0.1f + 0.8f * p.z) / 3;
+      positions.push_back({p.x, p.y, common ? p.z : layer});
+      states.push_back(i % 10 == 1 ? VertexState::unused : VertexState::used);
+    }
+    const SharedPlaces shared(positions, states, 3 * count, ranks);
+    std::size_t alone = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_TRUE(i % 10 != 0 || shared.contains(positions[i]));
+      alone += !shared.contains(positions[i]);
+    }
+    EXPECT_GT(alone, count / 5);
+  });
 }
 
 TEST_F(Distributed, RefusesWhatItDoesNotBuild) {
