@@ -32,12 +32,15 @@ class Slices {
   }
   [[nodiscard]] std::uint64_t total() const { return first_.back(); }
   [[nodiscard]] int owner(std::uint64_t number) const { return static_cast<int>(slice_of(number) % ranks_); }
-  // The number of its owner's numbers that are before this one.
-  [[nodiscard]] std::uint64_t place(std::uint64_t number) const {
-    const std::size_t slice = slice_of(number);
-    std::uint64_t before = 0;
-    for (std::size_t s = slice % ranks_; s < slice; s += ranks_) before += first_[s + 1] - first_[s];
-    return before + number - first_[slice];
+  struct Place {
+    int owner;
+    std::uint64_t before;  // so many of the owner's numbers are smaller
+  };
+  [[nodiscard]] Place place(std::uint64_t number) const {
+    const std::size_t slice = slice_of(number), owner = slice % ranks_;
+    std::uint64_t before = number - first_[slice];
+    for (std::size_t s = owner; s < slice; s += ranks_) before += first_[s + 1] - first_[s];
+    return {static_cast<int>(owner), before};
   }
 
  private:
@@ -60,10 +63,10 @@ class Question {
     ByRank<std::uint32_t> out = by_rank<std::uint32_t>(ranks);
     place_.reserve(numbers.size());
     for (const std::uint32_t number : numbers) {
-      const int owner = slices.owner(number);
+      const auto [owner, before] = slices.place(number);
       std::vector<std::uint32_t>& to = out[static_cast<std::size_t>(owner)];
       place_.push_back({owner, static_cast<std::uint32_t>(to.size())});
-      to.push_back(static_cast<std::uint32_t>(slices.place(number)));
+      to.push_back(static_cast<std::uint32_t>(before));
     }
     asked_ = ranks.exchange(std::move(out));
   }

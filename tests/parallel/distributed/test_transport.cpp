@@ -111,7 +111,8 @@ TEST(Slices, MayBeTwoForEachRank) {
   const std::vector<std::uint64_t> places{0, 1, 2, 0, 1, 3, 0, 1, 2, 3}, all{4, 4, 2};
   for (std::uint64_t number = 0; number < slices.total(); ++number) {
     EXPECT_EQ(slices.owner(number), owners[number]) << number;
-    EXPECT_EQ(slices.place(number), places[number]) << number;
+    EXPECT_EQ(slices.place(number).owner, owners[number]) << number;
+    EXPECT_EQ(slices.place(number).before, places[number]) << number;
   }
   for (int rank = 0; rank < 3; ++rank) EXPECT_EQ(slices.size(rank), all[static_cast<std::size_t>(rank)]);
 }
