@@ -276,15 +276,16 @@ class Model:
         return setting.value("first_write_bytes") / (triangles * (1 - 1 / ranks))
 
     def content_share(self, stage, setting):
-        """Bytes of content for each triangle whose receiver is another rank; of `levels` and `finest` over what `ranks` says.
-        It depends on the order of the input: what is near in space may be near in the file, or not."""
+        """Bytes of content for each triangle whose receiver is another rank; of `levels` over what `ranks` says; of `finest` and
+        `clean`, where ranks compare what is near others, for each vertex between them. It depends on the order of the input:
+        what is near in space may be near in the file, or not."""
         content = setting.value(f"{stage}_bytes") - HEAD * setting.value(f"{stage}_messages")
         return content / (2 if by_way(setting.value("ranks")) else 1) / self.could_move(stage, self.job(setting))
 
     def could_move(self, stage, job):
         if stage == "levels":
             return sum(moved for _, _, moved in self.dealt.levels(job)) or 1
-        if stage == "finest":
+        if stage in ("clean", "finest"):
             return self.border(job) or 1
         return job.triangles * (1 - 1 / job.ranks)
 

@@ -13,6 +13,7 @@ from lodestone_report.result_tables import STAGES
 TRIANGLE, MESSAGE, SENT = 1e-7, 2e-6, 20.0     # of every stage: seconds, seconds, bytes
 TABLES = 2e-8                                  # seconds of rank 0 for a triangle
 ROUNDS = (10, 2)
+BORDER = 4    # vertices between ranks over the root of triangles times ranks
 
 
 class Setting:
@@ -31,7 +32,8 @@ def job(triangles, ranks, threads=1):
     rounds, messages = ROUNDS[0] + growing, ranks * rank_model.messages_of(ROUNDS[0], growing, ranks)
     for stage in STAGES:
         work = triangles * (4 / 3 if stage == "levels" else 1)
-        sent = SENT * triangles * (1 - 1 / ranks) + rank_model.HEAD * messages
+        moved = BORDER * math.sqrt(triangles * ranks) if stage == "clean" and ranks > 1 else triangles * (1 - 1 / ranks)
+        sent = SENT * moved + rank_model.HEAD * messages
         values |= {f"{stage}_cpu_seconds": TRIANGLE * work + MESSAGE * messages, f"{stage}_bytes": sent,
                    f"{stage}_rounds": rounds, f"{stage}_messages": messages, f"{stage}_seconds": TRIANGLE * work / ranks / threads}
     sent = sum(values[f"{stage}_bytes"] for stage in STAGES)
@@ -48,7 +50,7 @@ def plan(blocks, ranks, coarser=0, seed=0):
     x = blocks / ranks
     return Setting(data="model", seed=seed, cell_triangles=1200, ranks=ranks, coarser=coarser, level_blocks=blocks,
                    level_triangles=triangles, level_imbalance=max(1.0, 1 / x) * (1.5 if seed else 1), moved_bytes=8 * triangles,
-                   input_triangles=1e6, border_vertices=4 * math.sqrt(1e6 * ranks), first_rank_bytes=5e6)
+                   input_triangles=1e6, border_vertices=BORDER * math.sqrt(1e6 * ranks), first_rank_bytes=5e6)
 
 
 JOBS = [job(n, r) for n in (200_000, 1_000_000, 4_000_000) for r in (1, 2, 4, 8)]
@@ -81,7 +83,8 @@ class Models(unittest.TestCase):
             self.assertAlmostEqual(self.model.rounds[stage][0], ROUNDS[0])
             self.assertAlmostEqual(self.model.rounds[stage][1], ROUNDS[1])
         self.assertAlmostEqual(self.model.first[""], TABLES)
-        self.assertAlmostEqual(self.model.sent["clean"][""], SENT)
+        for stage in ("clean", "route"):
+            self.assertAlmostEqual(self.model.sent[stage][""], SENT)
 
     def test_predict_jobs_that_they_have_not_seen(self):
         for seen in JOBS:
