@@ -249,8 +249,9 @@ TEST(Draco, DamagedFilesAreErrors) {
 TEST(Draco, PositionsAreNotTruthValues) {
   // One face of three points, uncompressed; the type of the positions, and nine bytes.
   const auto triangle = [](char type) {
-    return std::string("DRACO\x02\x02\x01\0\0\0\1\3\1\0\1\2\1\1\0", 20) + type +
-           std::string("\3\0\0\0\2\0\0\0\2\0\0\0\2", 13);
+    std::string bytes("DRACO\x02\x02\x01\0\0\0\1\3\1\0\1\2\1\1\0", 20);
+    bytes.push_back(type);
+    return bytes.append("\3\0\0\0\2\0\0\0\2\0\0\0\2", 13);
   };
   EXPECT_EQ(read_bytes(triangle(2), MeshFormat::draco).triangles.size(), 1u);  // bytes
   expect_error<InputError>(triangle(11), MeshFormat::draco, {"value 0 of an attribute"});
