@@ -93,7 +93,8 @@ int choose_level(const std::vector<CellCode>& own_sample, std::uint64_t triangle
   const auto occupied = [&](int level) {
     std::vector<CountedCell> cells = cells_of_all(own_sample, level, ranks);
     std::ranges::sort(cells, {}, &CountedCell::code);
-    return cells.size() - std::ranges::unique(cells, {}, &CountedCell::code).size();
+    const auto same = [](const CountedCell& a, const CountedCell& b) { return a.code == b.code; };
+    return static_cast<std::size_t>(std::unique(cells.begin(), cells.end(), same) - cells.begin());
   };
   return finest_level_of(occupied, ranks.sum(own_sample.size()), triangles, cell_triangles);
 }
