@@ -1,13 +1,13 @@
-// Long use of one process: views under a random camera with streaming and changing parameters, and builds one after the
-// other. usage: soak soft|gl SECONDS | soak builds NUMBER
+// Long use of one process: views under a random camera with streaming and changing parameters. usage: soak soft|gl
+// SECONDS
 //
 // Flights of half of the time are flown again for the other half: then memory must not grow (on gl, whose driver keeps
 // variants of shaders: objects of OpenGL). A view that is visited again must have the picture that it had; OpenGL must
 // report no error. Prints a line now and then, and memory from the beginning of that half to its end. Status: 0, 1 for
 // what went wrong, 77 where OpenGL cannot be had.
+#include "tests/soak.h"
+
 #include <epoxy/gl.h>
-#include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -18,10 +18,8 @@
 #include <optional>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/build.h"
@@ -38,64 +36,7 @@
 namespace {
 
 using namespace lodestone;
-namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "soak: %s\n", what.c_str());
-  std::exit(1);
-}
-
-// Bytes.
-struct Memory {
-  std::uint64_t resident = 0, allocated = 0;
-  // Free room that the allocator keeps depends on which thread allocated when: it is given back first.
-  static Memory now() {
-    malloc_trim(0);
-    std::ifstream statm("/proc/self/statm");
-    std::uint64_t pages = 0, resident = 0;
-    statm >> pages >> resident;
-    const auto heap = mallinfo2();
-    return {resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)), heap.uordblks + heap.hblkhd};
-  }
-};
-
-double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
-
-// Memory at the beginning, once everything has been used, and from then on.
-class Growth {
- public:
-  Growth(std::uint64_t allocated_limit, std::uint64_t resident_limit)
-      : allocated_limit_(allocated_limit), resident_limit_(resident_limit) {}
-
-  void middle() { middle_ = Memory::now(); }
-  void end(bool check = true) const {
-    const Memory last = Memory::now();
-    std::printf("resident: %.1f, %.1f, %.1f MiB; allocated: %.3f, %.3f, %.3f MiB (beginning, middle, end)\n",
-                mib(first_.resident), mib(middle_.resident), mib(last.resident), mib(first_.allocated),
-                mib(middle_.allocated), mib(last.allocated));
-    if (!check) return;
-    if (last.allocated > first_.allocated + allocated_limit_) fail("allocated memory has grown");
-    if (last.resident > first_.resident + resident_limit_) fail("the resident set has grown");
-  }
-
- private:
-  std::uint64_t allocated_limit_, resident_limit_;
-  Memory first_ = Memory::now(), middle_;
-};
-
-class Folder {
- public:
-  Folder() { fs::create_directories(path); }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const fs::path path = fs::temp_directory_path() / ("lodestone-soak." + std::to_string(getpid()));
-};
-
-// ---- views ----
+using namespace lodestone::soak;
 
 // Objects of OpenGL that have been made and not deleted: its entry points are replaced by ones that count.
 namespace objects {
@@ -343,59 +284,16 @@ class Soak {
   long long frames_ = 0, visits_ = 0;
 };
 
-// ---- builds ----
-
-void build(int number, const fs::path& folder, Scheduler& scheduler) {
-  constexpr Shape shapes[] = {Shape::sphere, Shape::terrain, Shape::torus, Shape::pile};
-  constexpr Strategy strategies[] = {Strategy::graph, Strategy::levels, Strategy::serial};
-  BuildConfig config;
-  config.finest_level = 3;
-  config.strategy = strategies[number % 3];
-  config.simplifier = number % 5 == 0 ? "cluster" : "quadric";
-  config.order_cells = number % 2 == 0;
-  Repairs repairs;
-  IndexedMesh mesh = prepare_mesh(generate_mesh({shapes[number % 4], 8000, 5}), repairs, scheduler);
-  const Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, scheduler);
-  (void)save_lode(hierarchy, folder / "m.lode", scheduler);
-  if (load_lode(folder / "m.lode", scheduler).cells.size() != hierarchy.cells.size()) fail("a file has other cells");
-}
-
-void build_many(int builds, const fs::path& folder, Scheduler& scheduler) {
-  constexpr int cycle = 60;  // after which the parameters are those of the beginning
-  for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
-  Growth growth(std::uint64_t{1} << 18, std::uint64_t{1} << 20);
-  growth.middle();
-  const int cycles = std::max(1, builds / cycle);
-  for (int c = 0; c < cycles; ++c) {
-    for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
-    if (c == cycles / 2) growth.middle();
-  }
-  std::printf("%d builds\n", (cycles + 1) * cycle);
-  growth.end();
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string what = argc == 3 ? argv[1] : "";
-  const double amount = argc == 3 ? std::atof(argv[2]) : 0;
-  if ((what != "soft" && what != "gl" && what != "builds") || !(amount > 0)) {
-    std::fputs("usage: soak soft|gl SECONDS | soak builds NUMBER\n", stderr);
+  const std::string backend = argc == 3 ? argv[1] : "";
+  const double seconds = argc == 3 ? std::atof(argv[2]) : 0;
+  if ((backend != "soft" && backend != "gl") || !(seconds > 0)) {
+    std::fputs("usage: soak soft|gl SECONDS\n", stderr);
     return 2;
   }
-  mallopt(M_ARENA_MAX, 1);  // malloc_trim leaves the free ends of other heaps
-  try {
-    const Folder folder;
-    const auto scheduler = make_tbb_scheduler(2);
-    if (what == "builds")
-      build_many(static_cast<int>(amount), folder.path, *scheduler);
-    else
-      Soak(make_scene(folder.path, *scheduler), what, *scheduler).run(amount);
-    return 0;
-  } catch (const UnsupportedError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 77;
-  } catch (const std::exception& error) {
-    fail(error.what());
-  }
+  return soak::run([&](const fs::path& folder, Scheduler& scheduler) {
+    Soak(make_scene(folder, scheduler), backend, scheduler).run(seconds);
+  });
 }
