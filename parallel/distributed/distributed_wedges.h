@@ -35,8 +35,8 @@ struct WedgeSlices {
 };
 
 // Welds the wedges of a vertex that have equal values. Every rank has the vertices and wedges that its triangles use in
-// its slices: no file is cut. Afterwards the slices of `clean` are those of wedges and
-// of the triangles that are left. Memory: 100 bytes per wedge of a share.
+// its slices: no file is cut. Afterwards the slices of `clean` are those of wedges and of the triangles that are left.
+// Memory: 100 bytes per wedge of a share.
 [[nodiscard]] WedgeSlices weld_wedges(RankSurface&& surface, const MeshStream& stream, CleanSlices& clean, Ranks& ranks,
                                       Scheduler& scheduler);
 

@@ -154,7 +154,7 @@ void fetch_vertices(CleanSlices&& given, std::span<const std::uint32_t> numbers,
     if (clean.left[i]) positions[kept++] = positions[i];
   positions.resize(kept);
   std::vector<std::uint8_t>().swap(clean.left);
-  std::vector<std::uint8_t> askers(kept, 0);
+  Askers askers(kept);
   const auto ask = [&](const auto& visit) {
     for_pieces(ranks, numbers.size(), [&](std::uint64_t begin, std::uint64_t end) {
       visit(Question(ranks, clean.vertices_left, numbers.subspan(begin, end - begin)));
@@ -162,15 +162,12 @@ void fetch_vertices(CleanSlices&& given, std::span<const std::uint32_t> numbers,
   };
   ranks.begin("fetching vertices");
   ask([&](const Question& question) {
-    for (const std::vector<std::uint32_t>& of_rank : question.asked())
-      for (const std::uint32_t v : of_rank) askers[v] = static_cast<std::uint8_t>(std::min(askers[v] + 1, 2));
+    askers.add(question);
     take.positions(question.answer<Vec3f>([&](std::uint32_t v) { return positions[v]; }));
   });
   std::vector<Vec3f>().swap(positions);
   ranks.begin("finding shared vertices");
-  ask([&](const Question& question) {
-    take.used_by_others(question.answer<std::uint8_t>([&](std::uint32_t v) { return std::uint8_t{askers[v] > 1}; }));
-  });
+  ask([&](const Question& question) { take.used_by_others(askers.others(question)); });
 }
 
 FinestChoice choose_cells(const MeshStream& stream, const CleanSlices& clean, const BuildConfig& config, Ranks& ranks) {

@@ -104,21 +104,36 @@ class Question {
   ByRank<std::uint32_t> asked_;
 };
 
+// Counts the ranks that ask for each number of the own slice, each of them once for a number.
+class Askers {
+ public:
+  explicit Askers(std::uint64_t own_numbers) : counts_(own_numbers, 0) {}
+  void add(const Question& question) {
+    for (const std::vector<std::uint32_t>& of_rank : question.asked())
+      for (const std::uint32_t n : of_rank) counts_[n] = static_cast<std::uint8_t>(std::min(counts_[n] + 1, 2));
+  }
+  // When all have been added, by number of the asking rank: 1 if others ask for it, too.
+  [[nodiscard]] std::vector<std::uint8_t> others(const Question& question) const {
+    return question.answer<std::uint8_t>([&](std::uint32_t n) { return std::uint8_t{counts_[n] > 1}; });
+  }
+
+ private:
+  std::vector<std::uint8_t> counts_;  // up to 2
+};
+
 // By number of a list without repeats: 1 if lists of other ranks have it, too.
 [[nodiscard]] inline std::vector<std::uint8_t> asked_by_others(const Slices& slices,
                                                                std::span<const std::uint32_t> numbers, Ranks& ranks) {
-  std::vector<std::uint8_t> askers(slices.size(ranks.rank()), 0), out;
+  Askers askers(slices.size(ranks.rank()));
+  std::vector<std::uint8_t> out;
   const auto ask = [&](const auto& visit) {
     for_pieces(ranks, numbers.size(), [&](std::uint64_t begin, std::uint64_t end) {
       visit(Question(ranks, slices, numbers.subspan(begin, end - begin)));
     });
   };
+  ask([&](const Question& question) { askers.add(question); });
   ask([&](const Question& question) {
-    for (const std::vector<std::uint32_t>& of_rank : question.asked())
-      for (const std::uint32_t n : of_rank) askers[n] = static_cast<std::uint8_t>(std::min(askers[n] + 1, 2));
-  });
-  ask([&](const Question& question) {
-    const auto some = question.answer<std::uint8_t>([&](std::uint32_t n) { return std::uint8_t{askers[n] > 1}; });
+    const std::vector<std::uint8_t> some = askers.others(question);
     out.insert(out.end(), some.begin(), some.end());
   });
   return out;
