@@ -28,16 +28,16 @@ class DistributedResume : public Distributed {
     on_progress_ = [&](int, const std::string&, double) {
       if (++calls == at) throw FileError("disk: cannot write: no space");
     };
+    bool ended = false;
     try {
       const DistributedResult result = build(stream, ranks, threads, {.timeout_seconds = 5});
       resumed_ = 0;
       for (const RankReport& rank : result.ranks) resumed_ += rank.blocks_resumed;
+      ended = true;
     } catch (const FileError&) {
-      on_progress_ = {};  // it refers to what ends here
-      return true;
     }
-    on_progress_ = {};
-    return false;
+    on_progress_ = {};  // it refers to what ends here
+    return !ended;
   }
   fs::path kept() const { return folder_ / "ranks.lode.scratch"; }
 
